@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// N streams into one, round robin: who was served comes last.
+///
+/// Latency 1 cycle (the output is a `ti_stage`), one beat a cycle.
+module ti_arbiter #(
+  parameter type payload_t = logic,
+  /// Inputs, 1 or more.
+  parameter int unsigned NumIn = 2
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input  logic     [NumIn-1:0] in_valid_i,
+  output logic     [NumIn-1:0] in_ready_o,
+  input  payload_t [NumIn-1:0] in_data_i,
+
+  output logic     out_valid_o,
+  input  logic     out_ready_i,
+  output payload_t out_data_o
+);
+
+  localparam int unsigned IndexWidth = (NumIn > 1) ? $clog2(NumIn) : 1;
+
+  logic any, stage_ready;
+  logic [IndexWidth-1:0] index, from_q;
+
+  ti_round_robin #(
+    .Num(NumIn)
+  ) u_choice (
+    .request_i(in_valid_i),
+    .from_i   (from_q),
+    .any_o    (any),
+    .index_o  (index)
+  );
+
+  assign in_ready_o = (any && stage_ready) ? NumIn'(1) << index : '0;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      from_q <= '0;
+    end else if (any && stage_ready) begin
+      from_q <= (index == IndexWidth'(NumIn - 1)) ? '0 : index + 1'b1;
+    end
+  end
+
+  ti_stage #(
+    .payload_t(payload_t)
+  ) u_stage (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i(any),
+    .in_ready_o(stage_ready),
+    .in_data_i (in_data_i[index]),
+    .out_valid_o,
+    .out_ready_i,
+    .out_data_o
+  );
+
+  `TI_ASSERT(GrantOneHot, $onehot0(in_ready_o))
+  `TI_ASSERT(GrantOnlyRequests, (in_ready_o & ~in_valid_i) == '0)
+
+endmodule : ti_arbiter

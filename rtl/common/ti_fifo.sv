@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// A first-word-fall-through queue.
+///
+/// A beat taken in one cycle can leave in the next; one beat a cycle both ways.  `in_ready_o` and
+/// `out_valid_o` come from registers, `out_data_o` from an asynchronous read: these queues are short
+/// or narrow, so they map to distributed RAM.
+module ti_fifo #(
+  parameter type payload_t = logic,
+  /// Entries, 1 or more.
+  parameter int unsigned Depth = 2,
+  localparam int unsigned PointerWidth = (Depth > 1) ? $clog2(Depth) : 1,
+  localparam int unsigned CountWidth = $clog2(Depth + 1)
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input  logic     in_valid_i,
+  output logic     in_ready_o,
+  input  payload_t in_data_i,
+
+  output logic     out_valid_o,
+  input  logic     out_ready_i,
+  output payload_t out_data_o
+);
+
+  payload_t mem_q[Depth];
+  logic [PointerWidth-1:0] head_q, tail_q;
+  logic [CountWidth-1:0] count_q;
+  logic push, pop;
+
+  assign in_ready_o  = count_q != CountWidth'(Depth);
+  assign out_valid_o = count_q != '0;
+  assign out_data_o  = mem_q[head_q];
+  assign push        = in_valid_i && in_ready_o;
+  assign pop         = out_valid_o && out_ready_i;
+
+  function automatic logic [PointerWidth-1:0] next(input logic [PointerWidth-1:0] pointer);
+    return (pointer == PointerWidth'(Depth - 1)) ? '0 : pointer + 1'b1;
+  endfunction
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      head_q  <= '0;
+      tail_q  <= '0;
+      count_q <= '0;
+    end else begin
+      if (push) tail_q <= next(tail_q);
+      if (pop) head_q <= next(head_q);
+      if (push != pop) count_q <= push ? count_q + 1'b1 : count_q - 1'b1;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (push) mem_q[tail_q] <= in_data_i;
+  end
+
+  if (Depth < 1) begin : gen_check_depth
+    $error("ti_fifo: Depth must be 1 or more");
+  end
+
+  `TI_ASSERT(OutHeldUntilTaken, out_valid_o && !out_ready_i |=> out_valid_o && $stable(out_data_o))
+  `TI_ASSERT(NeverOverfull, count_q <= CountWidth'(Depth))
+
+endmodule : ti_fifo

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// N streams to M streams, each beat to the output that its `dest` names; round robin at each output.
+///
+/// Latency 1 cycle, one beat a cycle an output.  Beats of one input to one output keep their order.
+/// The caller guarantees `dest < NumOut`.
+module ti_xbar #(
+  parameter type payload_t = logic,
+  /// Inputs and outputs, 1 or more each.
+  parameter int unsigned NumIn = 2,
+  parameter int unsigned NumOut = 2,
+  localparam int unsigned DestWidth = (NumOut > 1) ? $clog2(NumOut) : 1
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input  logic     [NumIn-1:0]                in_valid_i,
+  output logic     [NumIn-1:0]                in_ready_o,
+  input  payload_t [NumIn-1:0]                in_data_i,
+  input  logic     [NumIn-1:0][DestWidth-1:0] in_dest_i,
+
+  output logic     [NumOut-1:0] out_valid_o,
+  input  logic     [NumOut-1:0] out_ready_i,
+  output payload_t [NumOut-1:0] out_data_o
+);
+
+  logic [NumOut-1:0][NumIn-1:0] request, grant;
+
+  always_comb begin
+    request = '0;
+    for (int unsigned i = 0; i < NumIn; i++) begin
+      if (in_valid_i[i]) request[in_dest_i[i]][i] = 1'b1;
+    end
+  end
+
+  always_comb begin
+    in_ready_o = '0;
+    for (int unsigned o = 0; o < NumOut; o++) in_ready_o |= grant[o];
+  end
+
+  for (genvar o = 0; o < NumOut; o++) begin : gen_output
+    ti_arbiter #(
+      .payload_t(payload_t),
+      .NumIn    (NumIn)
+    ) u_arbiter (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (request[o]),
+      .in_ready_o (grant[o]),
+      .in_data_i,
+      .out_valid_o(out_valid_o[o]),
+      .out_ready_i(out_ready_i[o]),
+      .out_data_o (out_data_o[o])
+    );
+  end
+
+  `TI_ASSERT(TakenAtMostOnce, (in_ready_o & ~in_valid_i) == '0)
+
+endmodule : ti_xbar

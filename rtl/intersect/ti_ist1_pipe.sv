@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 7 MUL and 1 CMP.
+///
+/// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p).
+/// One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
+/// time and serves both passes there.  No stall.
+///
+/// | step    | starts at | pass (a)                             | pass (b)                          |
+/// |---------|-----------|--------------------------------------|-----------------------------------|
+/// | G1 3 MUL| 0         | nu*du, nv*dv                         | du*dett, dv*dett, av*det          |
+/// | H  4 ADD| TimeH     | au,av,aw = p - o;  n = nu*du + nv*dv | Du = du*dett - audet, Dv          |
+/// | G2 2 MUL| TimeG2    | nu*au, nv*av                         | e1v*Du, e1u*Dv                    |
+/// | X1 1 ADD| TimeX1    | det = n + dw                         | detu = e1v*Du - e1u*Dv            |
+/// | G3 2 MUL| TimeG3    | limit = tbest*det, audet = au*det    | e0u*Dv, e0v*Du                    |
+/// | X2 1 ADD| TimeX2    | m = nu*au + nv*av                    | detv = e0u*Dv - e0v*Du            |
+/// | X3 1 ADD| TimeX3    | dett = m + aw                        | sum = detu + detv                 |
+/// | CMP     | TimeEnd   | &#124;limit&#124; + 4 ulp < &#124;dett&#124; | &#124;sum&#124; <= &#124;det&#124; |
+///
+/// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign, or
+/// &#124;dett&#124; exceeds &#124;limit&#124; by more than 4 ulp.  The last counts only where tbest, limit and
+/// 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tbest for certain, as its relative error
+/// is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.
+/// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
+module ti_ist1_pipe #(
+  /// Width of what travels along untouched.
+  parameter int unsigned TagWidth = 1,
+  localparam int unsigned TimeH = ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency,
+  localparam int unsigned TimeX1 = TimeG2 + ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeG3 = TimeX1 + ti_fp_pkg::AddLatency,
+  localparam int unsigned TimeX2 = TimeG3 + ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeX3 = TimeX2 + ti_fp_pkg::AddLatency,
+  localparam int unsigned TimeEnd = TimeX3 + ti_fp_pkg::AddLatency,
+  localparam int unsigned Latency = TimeEnd + 1
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input logic                valid_i,
+  input logic                pass_b_i,
+  input logic [TagWidth-1:0] tag_i,
+  input logic [1:0]          axis_i,   // w
+  input ti_pkg::vec3_t       o_i,
+  input ti_pkg::vec3_t       d_i,
+  input ti_pkg::fp_t         tbest_i,
+  input ti_pkg::plane_t      plane_i,  // (a)
+  input ti_pkg::bary_t       bary_i,   // (b), as are the next four
+  input ti_pkg::fp_t         det_i,
+  input ti_pkg::fp_t         dett_i,
+  input ti_pkg::fp_t         audet_i,
+  input ti_pkg::fp_t         av_i,
+
+  output logic                valid_o,
+  output logic                pass_b_o,
+  output logic                keep_o,
+  output logic [TagWidth-1:0] tag_o,
+  output ti_pkg::fp_t         det_o,
+  output ti_pkg::fp_t         dett_o,
+  output ti_pkg::fp_t         x_o,      // (a) au*det; (b) detu
+  output ti_pkg::fp_t         y_o       // (a) av; (b) detv
+);
+
+  typedef ti_pkg::fp_t fp_t;
+  localparam int unsigned W = ti_pkg::FpWidth;
+  localparam int unsigned E = ti_pkg::ExpBits;
+  localparam int unsigned M = ti_pkg::FracBits;
+
+  // Which pass is where.
+  logic [TimeEnd:0] valid_q, pass_b_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) valid_q <= '0;
+    else valid_q <= {valid_q[TimeEnd-1:0], valid_i};
+  end
+  always_ff @(posedge clk_i) pass_b_q <= {pass_b_q[TimeEnd-1:0], pass_b_i};
+
+  function automatic fp_t axis_u(input ti_pkg::vec3_t v, input logic [1:0] w);
+    return (w == 2'd0) ? v[1] : (w == 2'd1) ? v[2] : v[0];
+  endfunction
+  function automatic fp_t axis_v(input ti_pkg::vec3_t v, input logic [1:0] w);
+    return (w == 2'd0) ? v[2] : (w == 2'd1) ? v[0] : v[1];
+  endfunction
+  function automatic fp_t axis_w(input ti_pkg::vec3_t v, input logic [1:0] w);
+    return (w == 2'd0) ? v[0] : (w == 2'd1) ? v[1] : v[2];
+  endfunction
+
+  // Time 0.
+  fp_t du, dv, dw;
+  assign du = axis_u(d_i, axis_i);
+  assign dv = axis_v(d_i, axis_i);
+  assign dw = axis_w(d_i, axis_i);
+
+  fp_t [2:0] g1;
+  ti_fp_mul #(E, M) u_g1_0 (.clk_i, .rst_ni, .valid_i, .a_i(pass_b_i ? du : plane_i.nu[W-1:0]),
+      .b_i(pass_b_i ? dett_i : du), .valid_o(), .result_o(g1[0]));
+  ti_fp_mul #(E, M) u_g1_1 (.clk_i, .rst_ni, .valid_i, .a_i(pass_b_i ? dv : plane_i.nv[W-1:0]),
+      .b_i(pass_b_i ? dett_i : dv), .valid_o(), .result_o(g1[1]));
+  ti_fp_mul #(E, M) u_g1_2 (.clk_i, .rst_ni, .valid_i(valid_i && pass_b_i), .a_i(av_i), .b_i(det_i),
+      .valid_o(), .result_o(g1[2]));
+
+  // TimeH: (a) p and o, (b) au*det.
+  fp_t [2:0] p_h, o_h;
+  ti_delay #(logic [6*W-1:0], TimeH) u_to_h (.clk_i, .rst_ni,
+      .data_i(pass_b_i ? {{5{fp_t'('0)}}, audet_i} :
+              {axis_w(o_i, axis_i), axis_v(o_i, axis_i), axis_u(o_i, axis_i),
+               plane_i.pw[W-1:0], plane_i.pv[W-1:0], plane_i.pu[W-1:0]}),
+      .data_o({o_h, p_h}));
+
+  logic at_h, b_h;
+  assign at_h = valid_q[TimeH-1];
+  assign b_h  = pass_b_q[TimeH-1];
+
+  fp_t h_u, h_v, h_w, h_n;  // (a) au, av, aw, n; (b) Du, Dv
+  ti_fp_add #(E, M) u_h_u (.clk_i, .rst_ni, .valid_i(at_h), .a_i(b_h ? g1[0] : p_h[0]),
+      .b_i(b_h ? p_h[0] : o_h[0]), .negate_b_i(1'b1), .valid_o(), .result_o(h_u));
+  ti_fp_add #(E, M) u_h_v (.clk_i, .rst_ni, .valid_i(at_h), .a_i(b_h ? g1[1] : p_h[1]),
+      .b_i(b_h ? g1[2] : o_h[1]), .negate_b_i(1'b1), .valid_o(), .result_o(h_v));
+  ti_fp_add #(E, M) u_h_w (.clk_i, .rst_ni, .valid_i(at_h && !b_h), .a_i(p_h[2]), .b_i(o_h[2]),
+      .negate_b_i(1'b1), .valid_o(), .result_o(h_w));
+  ti_fp_add #(E, M) u_h_n (.clk_i, .rst_ni, .valid_i(at_h && !b_h), .a_i(g1[0]), .b_i(g1[1]),
+      .negate_b_i(1'b0), .valid_o(), .result_o(h_n));
+
+  // TimeG2.
+  fp_t g2_k0, g2_k1;  // (a) nu, nv; (b) e1v, e1u
+  ti_delay #(logic [2*W-1:0], TimeG2) u_to_g2 (.clk_i, .rst_ni,
+      .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} : {plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
+      .data_o({g2_k1, g2_k0}));
+
+  fp_t g2_0, g2_1;
+  ti_fp_mul #(E, M) u_g2_0 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG2-1]), .a_i(g2_k0), .b_i(h_u),
+      .valid_o(), .result_o(g2_0));
+  ti_fp_mul #(E, M) u_g2_1 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG2-1]), .a_i(g2_k1), .b_i(h_v),
+      .valid_o(), .result_o(g2_1));
+
+  // TimeX1.
+  fp_t n_x1, dw_x1, x1;
+  logic b_x1;
+  assign b_x1 = pass_b_q[TimeX1-1];
+  ti_delay #(fp_t, TimeX1 - TimeG2) u_n_to_x1 (.clk_i, .rst_ni, .data_i(h_n), .data_o(n_x1));
+  ti_delay #(fp_t, TimeX1) u_dw_to_x1 (.clk_i, .rst_ni, .data_i(dw), .data_o(dw_x1));
+  ti_fp_add #(E, M) u_x1 (.clk_i, .rst_ni, .valid_i(valid_q[TimeX1-1]), .a_i(b_x1 ? g2_0 : n_x1),
+      .b_i(b_x1 ? g2_1 : dw_x1), .negate_b_i(b_x1), .valid_o(), .result_o(x1));
+
+  // TimeG3.
+  fp_t g3_k0, g3_k1, hu_g3, hv_g3, g3_0, g3_1;
+  logic b_g3;
+  assign b_g3 = pass_b_q[TimeG3-1];
+  // (a) tbest; (b) e0u, e0v.
+  ti_delay #(logic [2*W-1:0], TimeG3) u_to_g3 (.clk_i, .rst_ni,
+      .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tbest_i}),
+      .data_o({g3_k1, g3_k0}));
+  ti_delay #(logic [2*W-1:0], TimeG3 - TimeG2) u_h_to_g3 (.clk_i, .rst_ni, .data_i({h_v, h_u}),
+      .data_o({hv_g3, hu_g3}));
+  ti_fp_mul #(E, M) u_g3_0 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG3-1]), .a_i(g3_k0),
+      .b_i(b_g3 ? hv_g3 : x1), .valid_o(), .result_o(g3_0));
+  ti_fp_mul #(E, M) u_g3_1 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG3-1]), .a_i(b_g3 ? g3_k1 : x1),
+      .b_i(hu_g3), .valid_o(), .result_o(g3_1));
+
+  // TimeX2.
+  fp_t g2_0_x2, g2_1_x2, x2;
+  logic b_x2;
+  assign b_x2 = pass_b_q[TimeX2-1];
+  ti_delay #(logic [2*W-1:0], TimeX2 - TimeX1) u_g2_to_x2 (.clk_i, .rst_ni, .data_i({g2_1, g2_0}),
+      .data_o({g2_1_x2, g2_0_x2}));
+  ti_fp_add #(E, M) u_x2 (.clk_i, .rst_ni, .valid_i(valid_q[TimeX2-1]), .a_i(b_x2 ? g3_0 : g2_0_x2),
+      .b_i(b_x2 ? g3_1 : g2_1_x2), .negate_b_i(b_x2), .valid_o(), .result_o(x2));
+
+  // TimeX3.
+  fp_t aw_x3, x1_x3, x3;
+  logic b_x3;
+  assign b_x3 = pass_b_q[TimeX3-1];
+  ti_delay #(fp_t, TimeX3 - TimeG2) u_aw_to_x3 (.clk_i, .rst_ni, .data_i(h_w), .data_o(aw_x3));
+  ti_delay #(fp_t, TimeX3 - TimeG3) u_x1_to_x3 (.clk_i, .rst_ni, .data_i(x1), .data_o(x1_x3));
+  ti_fp_add #(E, M) u_x3 (.clk_i, .rst_ni, .valid_i(valid_q[TimeX3-1]), .a_i(b_x3 ? x1_x3 : x2),
+      .b_i(b_x3 ? x2 : aw_x3), .negate_b_i(1'b0), .valid_o(), .result_o(x3));
+
+  // TimeEnd.
+  fp_t x1_end, x2_end, limit, audet, av_end, tbest_end, det_in, dett_in;
+  logic [TagWidth-1:0] tag_end;
+  logic b_end;
+  assign b_end = pass_b_q[TimeEnd-1];
+  ti_delay #(fp_t, TimeEnd - TimeX3) u_x1_to_end (.clk_i, .rst_ni, .data_i(x1_x3), .data_o(x1_end));
+  ti_delay #(fp_t, TimeEnd - TimeX3) u_x2_to_end (.clk_i, .rst_ni, .data_i(x2), .data_o(x2_end));
+  ti_delay #(logic [2*W-1:0], TimeEnd - TimeX2) u_g3_to_end (.clk_i, .rst_ni, .data_i({g3_1, g3_0}),
+      .data_o({audet, limit}));
+  ti_delay #(fp_t, TimeEnd - TimeG2) u_av_to_end (.clk_i, .rst_ni, .data_i(h_v), .data_o(av_end));
+  ti_delay #(logic [2*W+TagWidth-1:0], TimeEnd) u_to_end (.clk_i, .rst_ni,
+      .data_i({tag_i, dett_i, pass_b_i ? det_i : tbest_i}), .data_o({tag_end, dett_in, det_in}));
+  assign tbest_end = det_in;
+
+  function automatic logic [E-1:0] exponent(input fp_t x);
+    return x[M+:E];
+  endfunction
+  function automatic logic is_zero(input fp_t x);
+    return x[W-2:0] == '0;
+  endfunction
+  function automatic logic is_finite(input fp_t x);
+    return exponent(x) != '1;
+  endfunction
+  function automatic logic is_normal(input fp_t x);
+    return is_finite(x) && exponent(x) != '0;
+  endfunction
+  function automatic logic agrees(input fp_t x, input fp_t sign_of);
+    return is_zero(x) || (x[W-1] == sign_of[W-1] && !(exponent(x) == '1 && x[M-1:0] != '0));
+  endfunction
+  /// Magnitude `ulps` places up in the order of bit patterns, infinity at most.
+  function automatic fp_t ulps_up(input fp_t x, input int unsigned ulps);
+    logic [W-1:0] sum;
+    sum = {1'b0, x[W-2:0]} + W'(ulps);
+    return (sum > {1'b0, ti_pkg::FpInf[W-2:0]}) ? ti_pkg::FpInf : sum;
+  endfunction
+
+  fp_t det_a, dett_a, cmp_a, cmp_b;
+  logic lt, le, cull, keep_a, keep_b;
+  assign det_a  = x1_end;
+  assign dett_a = x3;
+  // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
+  assign cmp_a  = b_end ? {1'b0, x3[W-2:0]} : ulps_up(limit, 4);
+  assign cmp_b  = b_end ? {1'b0, det_in[W-2:0]} : {1'b0, dett_a[W-2:0]};
+  ti_fp_cmp #(E, M) u_cmp (.a_i(cmp_a), .b_i(cmp_b), .lt_o(lt), .eq_o(), .le_o(le), .unordered_o());
+
+  assign cull = lt && is_normal(tbest_end) && is_normal(limit) && exponent(det_a) <= E'(2 * ti_pkg::FpBias - 2);
+  assign keep_a = !is_zero(det_a) && is_finite(det_a) && is_finite(dett_a) && agrees(dett_a, det_a) && !cull;
+  assign keep_b = agrees(x1_end, det_in) && agrees(x2_end, det_in) && le;
+
+  always_ff @(posedge clk_i) begin
+    if (valid_q[TimeEnd-1]) begin
+      keep_o <= b_end ? keep_b : keep_a;
+      det_o  <= b_end ? det_in : det_a;
+      dett_o <= b_end ? dett_in : dett_a;
+      x_o    <= b_end ? x1_end : audet;
+      y_o    <= b_end ? x2_end : av_end;
+      tag_o  <= tag_end;
+    end
+  end
+
+  assign valid_o  = valid_q[TimeEnd];
+  assign pass_b_o = pass_b_q[TimeEnd];
+
+endmodule : ti_ist1_pipe

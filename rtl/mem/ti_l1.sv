@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// The line store of a `ti_ra`: tags, lines, choice of a victim.  It knows nothing of who waits.
+///
+/// A look-up takes two cycles.  `lookup_en_i` reads the tags of a set; from the next cycle on
+/// (`hit_o`, `hit_way_o`, `victim_*_o`) speak of `line_i`, which the caller holds still.  `read_en_i`
+/// then reads a line, which stands in `line_o` from the cycle after until the next read.
+///
+/// `alloc_i` reserves the victim's place for `line_i`: its old line is forgotten and the place is
+/// pinned.  `fill_i` writes an arrived line into a reserved place; `unpin_i` lets it be a victim again.
+/// Victims: an empty way, else the tree pseudo-LRU way, else the first that is not pinned.
+/// Tags and lines map to block RAM; valid, pinned and LRU bits are registers, as many are read and
+/// cleared at once.
+module ti_l1 #(
+  parameter int unsigned CacheBytes = 1024,
+  parameter int unsigned Ways = 2,
+  parameter int unsigned LineBytes = 64,
+  parameter int unsigned LineAddrWidth = 26,
+  localparam int unsigned Sets = CacheBytes / (Ways * LineBytes),
+  localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1,
+  localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input logic                     lookup_en_i,
+  input logic [LineAddrWidth-1:0] lookup_line_i,
+
+  input  logic [LineAddrWidth-1:0] line_i,
+  output logic                     hit_o,
+  output logic [WayWidth-1:0]      hit_way_o,
+  output logic                     victim_valid_o,  // some way of the set is not pinned
+  output logic [WayWidth-1:0]      victim_way_o,
+  input  logic                     touch_i,         // the hit is used
+  input  logic                     alloc_i,         // the victim's place is taken
+
+  input logic                   fill_i,
+  input logic                   fill_good_i,  // 0: the answer was an error, nothing to keep
+  input logic [SetWidth-1:0]    fill_set_i,
+  input logic [WayWidth-1:0]    fill_way_i,
+  input logic [8*LineBytes-1:0] fill_data_i,
+
+  input logic                unpin_i,
+  input logic [SetWidth-1:0] unpin_set_i,
+  input logic [WayWidth-1:0] unpin_way_i,
+
+  input  logic                   read_en_i,
+  input  logic [SetWidth-1:0]    read_set_i,
+  input  logic [WayWidth-1:0]    read_way_i,
+  output logic [8*LineBytes-1:0] line_o
+);
+
+  localparam int unsigned SetBits = $clog2(Sets);
+  localparam int unsigned TagWidth = LineAddrWidth - SetBits;
+  localparam int unsigned TreeNodes = (Ways > 1) ? Ways - 1 : 1;
+
+  typedef logic [TagWidth-1:0] tag_t;
+  typedef tag_t [Ways-1:0] tag_row_t;
+
+  logic [SetWidth-1:0] lookup_set, set;
+  tag_t tag;
+  tag_row_t tags_ram, tags, tags_new, tags_new_q;
+  logic bypass_q;
+  logic [Ways-1:0] valid_q[Sets];
+  logic [Ways-1:0] pinned_q[Sets];
+  logic [TreeNodes-1:0] tree_q[Sets];
+  logic [Ways-1:0] match;
+
+  function automatic logic [SetWidth-1:0] set_of(input logic [LineAddrWidth-1:0] line);
+    return (Sets > 1) ? line[SetWidth-1:0] : '0;
+  endfunction
+
+  assign lookup_set = set_of(lookup_line_i);
+  assign set        = set_of(line_i);
+  assign tag        = tag_t'(line_i >> SetBits);
+
+  ti_ram_1r1w #(
+    .Depth((Sets > 1) ? Sets : 2),
+    .word_t(tag_row_t)
+  ) u_tags (
+    .clk_i,
+    .read_en_i   (lookup_en_i),
+    .read_addr_i (lookup_set),
+    .read_data_o (tags_ram),
+    .write_en_i  (alloc_i),
+    .write_addr_i(set),
+    .write_data_i(tags_new)
+  );
+
+  // A set that is written while it is read comes out as written.
+  assign tags = bypass_q ? tags_new_q : tags_ram;
+
+  always_comb begin
+    tags_new = tags;
+    tags_new[victim_way_o] = tag;
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) bypass_q <= 1'b0;
+    else if (lookup_en_i) bypass_q <= alloc_i && lookup_set == set;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (lookup_en_i && alloc_i) tags_new_q <= tags_new;
+  end
+
+  // Look-up.
+  always_comb begin
+    for (int unsigned w = 0; w < Ways; w++) match[w] = valid_q[set][w] && tags[w] == tag;
+    hit_o     = |match;
+    hit_way_o = '0;
+    for (int unsigned w = 0; w < Ways; w++) if (match[w]) hit_way_o = WayWidth'(w);
+  end
+
+  // Tree pseudo-LRU: each node points to the half used longer ago.
+  function automatic logic [WayWidth-1:0] tree_victim(input logic [TreeNodes-1:0] tree);
+    int unsigned node;
+    tree_victim = '0;
+    node = 0;
+    for (int unsigned level = 0; level < $clog2(Ways); level++) begin
+      tree_victim = WayWidth'({tree_victim, tree[node]});
+      node = 2 * node + 1 + int'(tree[node]);
+    end
+  endfunction
+
+  function automatic logic [TreeNodes-1:0] tree_after(input logic [TreeNodes-1:0] tree,
+                                                      input logic [WayWidth-1:0] way);
+    int unsigned node;
+    logic side;
+    tree_after = tree;
+    node = 0;
+    for (int unsigned level = 0; level < $clog2(Ways); level++) begin
+      side = way[$clog2(Ways)-1-level];
+      tree_after[node] = !side;
+      node = 2 * node + 1 + int'(side);
+    end
+  endfunction
+
+  logic [Ways-1:0] allowed;
+  logic [WayWidth-1:0] lru_way;
+  assign allowed        = ~pinned_q[set];
+  assign lru_way        = tree_victim(tree_q[set]);
+  assign victim_valid_o = |allowed;
+
+  always_comb begin
+    victim_way_o = lru_way;
+    if (!allowed[lru_way]) begin
+      for (int i = int'(Ways) - 1; i >= 0; i--) if (allowed[i]) victim_way_o = WayWidth'(i);
+    end
+    for (int i = int'(Ways) - 1; i >= 0; i--) begin
+      if (allowed[i] && !valid_q[set][i]) victim_way_o = WayWidth'(i);
+    end
+  end
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      for (int unsigned s = 0; s < Sets; s++) begin
+        valid_q[s]  <= '0;
+        pinned_q[s] <= '0;
+        tree_q[s]   <= '0;
+      end
+    end else begin
+      if (alloc_i) begin
+        valid_q[set][victim_way_o]  <= 1'b0;
+        pinned_q[set][victim_way_o] <= 1'b1;
+      end
+      if (fill_i) valid_q[fill_set_i][fill_way_i] <= fill_good_i;
+      if (unpin_i) pinned_q[unpin_set_i][unpin_way_i] <= 1'b0;
+      if (touch_i) tree_q[set] <= tree_after(tree_q[set], hit_way_o);
+      if (alloc_i) tree_q[set] <= tree_after(tree_q[set], victim_way_o);
+    end
+  end
+
+  ti_ram_1r1w #(
+    .Depth((Sets * Ways > 1) ? Sets * Ways : 2),
+    .word_t(logic [8*LineBytes-1:0])
+  ) u_lines (
+    .clk_i,
+    .read_en_i,
+    .read_addr_i (place(read_set_i, read_way_i)),
+    .read_data_o (line_o),
+    .write_en_i  (fill_i),
+    .write_addr_i(place(fill_set_i, fill_way_i)),
+    .write_data_i(fill_data_i)
+  );
+
+  localparam int unsigned PlaceWidth = (Sets * Ways > 1) ? $clog2(Sets * Ways) : 1;
+  function automatic logic [PlaceWidth-1:0] place(input logic [SetWidth-1:0] s,
+                                                  input logic [WayWidth-1:0] w);
+    return PlaceWidth'(s) * PlaceWidth'(Ways) + PlaceWidth'(w);
+  endfunction
+
+  if (Ways < 1 || (Ways & (Ways - 1)) != 0) begin : gen_check_ways
+    $error("ti_l1: Ways must be a power of two");
+  end
+  if (Sets < 1 || (Sets & (Sets - 1)) != 0 || Sets * Ways * LineBytes != CacheBytes) begin : gen_check_cache_bytes
+    $error("ti_l1: CacheBytes must be Ways * LineBytes times a power of two");
+  end
+
+  `TI_ASSERT(HitsOneWay, $onehot0(match))
+  `TI_ASSERT(FillsReserved, fill_i |-> pinned_q[fill_set_i][fill_way_i])
+  `TI_ASSERT(UnpinsPinned, unpin_i |-> pinned_q[unpin_set_i][unpin_way_i])
+  `TI_ASSERT(AllocatesFree, alloc_i |-> victim_valid_o)
+
+endmodule : ti_l1

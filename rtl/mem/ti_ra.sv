@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// Ray accumulation unit in front of an L1 (Nah et al. 2011, section 4): rays that need a line that is
+/// on its way gather in the line's row and leave, one a cycle, when it has arrived; other rays pass them.
+///
+/// A row holds slot numbers as a linked list, one pointer a slot, not rays.  The place of a line is
+/// reserved when it is asked for and pinned until its row is empty, so each gathered ray is served
+/// by the line it waited for, whatever happens to the cache meanwhile.
+///
+/// Latency 2 cycles on a hit, one answer a cycle.  `rsp` stalls the unit as a whole.  The caller has at
+/// most one request in flight for a slot.  `line_rsp` is always accepted.  A line answered with an error
+/// is not kept; its rays get `rsp_error_o`, their element is undefined.
+module ti_ra #(
+  /// Requesters; each has at most one request in flight.
+  parameter int unsigned NumSlots = 8,
+  /// Lines on their way or handing out.
+  parameter int unsigned Rows = 2,
+  parameter int unsigned AddrWidth = 32,
+  parameter int unsigned LineBytes = 64,
+  /// Bytes of an answer: the aligned element that holds the address; a power of two up to LineBytes.
+  parameter int unsigned ElemBytes = 8,
+  parameter int unsigned CacheBytes = 1024,
+  parameter int unsigned Ways = 2,
+  localparam int unsigned SlotWidth = $clog2(NumSlots),
+  localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1,
+  localparam int unsigned LineAddrWidth = AddrWidth - $clog2(LineBytes)
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input  logic                 req_valid_i,
+  output logic                 req_ready_o,
+  input  logic [SlotWidth-1:0] req_slot_i,
+  input  logic [AddrWidth-1:0] req_addr_i,
+
+  output logic                   rsp_valid_o,
+  input  logic                   rsp_ready_i,
+  output logic [SlotWidth-1:0]   rsp_slot_o,
+  output logic [8*ElemBytes-1:0] rsp_elem_o,
+  output logic                   rsp_error_o,
+
+  output logic                     line_req_valid_o,
+  input  logic                     line_req_ready_i,
+  output logic [RowWidth-1:0]      line_req_row_o,
+  output logic [LineAddrWidth-1:0] line_req_line_o,
+
+  input logic                   line_rsp_valid_i,
+  input logic [RowWidth-1:0]    line_rsp_row_i,
+  input logic [8*LineBytes-1:0] line_rsp_data_i,
+  input logic                   line_rsp_error_i,
+
+  output logic event_access_o,  // a request has been decided: one of the three below
+  output logic event_hit_o,
+  output logic event_merged_o,
+  output logic event_miss_o
+);
+
+  localparam int unsigned Elems = LineBytes / ElemBytes;
+  localparam int unsigned ElemWidth = (Elems > 1) ? $clog2(Elems) : 1;
+  localparam int unsigned Sets = CacheBytes / (Ways * LineBytes);
+  localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1;
+  localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1;
+
+  typedef logic [SlotWidth-1:0] slot_t;
+  typedef logic [RowWidth-1:0] row_t;
+  typedef logic [ElemWidth-1:0] elem_t;
+  typedef logic [LineAddrWidth-1:0] line_addr_t;
+  typedef struct packed {
+    row_t       row;
+    line_addr_t line;
+  } line_req_t;
+
+  // Step 1: the request whose tags have been read.
+  logic s1_valid_q, s1_done;
+  slot_t s1_slot_q;
+  line_addr_t s1_line_q;
+  elem_t s1_elem_q;
+
+  // Step 2: the line has been read.
+  logic s2_valid_q, s2_error_q, s2_free;
+  slot_t s2_slot_q;
+  elem_t s2_elem_q;
+
+  // Rows.
+  logic [Rows-1:0] row_busy_q, row_filled_q, row_error_q;
+  line_addr_t row_line_q[Rows];
+  logic [SetWidth-1:0] row_set[Rows];
+  logic [WayWidth-1:0] row_way_q[Rows];
+  slot_t row_head_q[Rows];
+  slot_t row_tail_q[Rows];
+  slot_t next_q[NumSlots];
+  elem_t elem_q[NumSlots];
+
+  // Decisions of this cycle.
+  logic hit, victim_valid, drain, drain_last, merge, row_free_any, use_hit, use_merge, use_miss;
+  logic line_queue_ready;
+  logic [WayWidth-1:0] hit_way, victim_way;
+  row_t merge_row, free_row, drain_row;
+  slot_t drain_slot;
+  logic [Rows-1:0] row_match;
+
+  function automatic elem_t elem_of(input logic [AddrWidth-1:0] addr);
+    return (Elems > 1) ? elem_t'(addr[$clog2(LineBytes)-1:0] >> $clog2(ElemBytes)) : '0;
+  endfunction
+
+  assign req_ready_o = !s1_valid_q || s1_done;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) s1_valid_q <= 1'b0;
+    else if (req_ready_o) s1_valid_q <= req_valid_i;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (req_valid_i && req_ready_o) begin
+      s1_slot_q <= req_slot_i;
+      s1_line_q <= req_addr_i[AddrWidth-1:$clog2(LineBytes)];
+      s1_elem_q <= elem_of(req_addr_i);
+    end
+  end
+
+  for (genvar r = 0; r < Rows; r++) begin : gen_row
+    assign row_match[r] = row_busy_q[r] && !row_filled_q[r] && row_line_q[r] == s1_line_q;
+    assign row_set[r]   = (Sets > 1) ? row_line_q[r][SetWidth-1:0] : '0;
+  end
+
+  always_comb begin
+    merge_row = '0;
+    free_row  = '0;
+    drain_row = '0;
+    for (int i = int'(Rows) - 1; i >= 0; i--) begin
+      if (row_match[i]) merge_row = row_t'(i);
+      if (!row_busy_q[i]) free_row = row_t'(i);
+      if (row_filled_q[i]) drain_row = row_t'(i);
+    end
+  end
+
+  // A filled row hands out before anything else; new rows cannot form meanwhile, so this ends.
+  assign merge        = |row_match;
+  assign row_free_any = !(&row_busy_q);
+  assign s2_free      = !s2_valid_q || rsp_ready_i;
+  assign drain        = |row_filled_q && s2_free;
+  assign drain_slot   = row_head_q[drain_row];
+  assign drain_last   = drain && drain_slot == row_tail_q[drain_row];
+  assign use_merge    = s1_valid_q && merge;
+  assign use_hit      = s1_valid_q && !merge && hit && s2_free && !(|row_filled_q);
+  assign use_miss     = s1_valid_q && !merge && !hit && row_free_any && victim_valid && line_queue_ready;
+  assign s1_done      = use_merge || use_hit || use_miss;
+
+  assign event_access_o = s1_done;
+  assign event_hit_o    = use_hit;
+  assign event_merged_o = use_merge;
+  assign event_miss_o   = use_miss;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      row_busy_q   <= '0;
+      row_filled_q <= '0;
+    end else begin
+      if (use_miss) row_busy_q[free_row] <= 1'b1;
+      if (line_rsp_valid_i) row_filled_q[line_rsp_row_i] <= 1'b1;
+      if (drain_last) begin
+        row_busy_q[drain_row]   <= 1'b0;
+        row_filled_q[drain_row] <= 1'b0;
+      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (line_rsp_valid_i) row_error_q[line_rsp_row_i] <= line_rsp_error_i;
+    if (use_miss) begin
+      row_line_q[free_row] <= s1_line_q;
+      row_way_q[free_row]  <= victim_way;
+      row_head_q[free_row] <= s1_slot_q;
+      row_tail_q[free_row] <= s1_slot_q;
+    end
+    if (use_merge) begin
+      next_q[row_tail_q[merge_row]] <= s1_slot_q;
+      row_tail_q[merge_row]         <= s1_slot_q;
+    end
+    if (use_miss || use_merge) elem_q[s1_slot_q] <= s1_elem_q;
+    if (drain) row_head_q[drain_row] <= next_q[drain_slot];
+  end
+
+  ti_l1 #(
+    .CacheBytes   (CacheBytes),
+    .Ways         (Ways),
+    .LineBytes    (LineBytes),
+    .LineAddrWidth(LineAddrWidth)
+  ) u_l1 (
+    .clk_i,
+    .rst_ni,
+    .lookup_en_i   (req_valid_i && req_ready_o),
+    .lookup_line_i (req_addr_i[AddrWidth-1:$clog2(LineBytes)]),
+    .line_i        (s1_line_q),
+    .hit_o         (hit),
+    .hit_way_o     (hit_way),
+    .victim_valid_o(victim_valid),
+    .victim_way_o  (victim_way),
+    .touch_i       (use_hit),
+    .alloc_i       (use_miss),
+    .fill_i        (line_rsp_valid_i),
+    .fill_good_i   (!line_rsp_error_i),
+    .fill_set_i    (row_set[line_rsp_row_i]),
+    .fill_way_i    (row_way_q[line_rsp_row_i]),
+    .fill_data_i   (line_rsp_data_i),
+    .unpin_i       (drain_last),
+    .unpin_set_i   (row_set[drain_row]),
+    .unpin_way_i   (row_way_q[drain_row]),
+    .read_en_i     (drain || use_hit),
+    .read_set_i    (drain ? row_set[drain_row] : ((Sets > 1) ? s1_line_q[SetWidth-1:0] : '0)),
+    .read_way_i    (drain ? row_way_q[drain_row] : hit_way),
+    .line_o        (line)
+  );
+
+  logic [8*LineBytes-1:0] line;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) s2_valid_q <= 1'b0;
+    else if (s2_free) s2_valid_q <= drain || use_hit;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (drain) begin
+      s2_slot_q  <= drain_slot;
+      s2_elem_q  <= elem_q[drain_slot];
+      s2_error_q <= row_error_q[drain_row];
+    end else if (use_hit) begin
+      s2_slot_q  <= s1_slot_q;
+      s2_elem_q  <= s1_elem_q;
+      s2_error_q <= 1'b0;
+    end
+  end
+
+  assign rsp_valid_o = s2_valid_q;
+  assign rsp_slot_o  = s2_slot_q;
+  assign rsp_error_o = s2_error_q;
+  assign rsp_elem_o  = line[(32'(s2_elem_q)*ElemBytes*8)+:ElemBytes*8];
+
+  // Line requests wait here for the port; a row asks once, so Rows places are enough.
+  line_req_t line_req;
+  ti_fifo #(
+    .payload_t(line_req_t),
+    .Depth    (Rows)
+  ) u_line_requests (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i (use_miss),
+    .in_ready_o (line_queue_ready),
+    .in_data_i  ('{row: free_row, line: s1_line_q}),
+    .out_valid_o(line_req_valid_o),
+    .out_ready_i(line_req_ready_i),
+    .out_data_o (line_req)
+  );
+  assign line_req_row_o  = line_req.row;
+  assign line_req_line_o = line_req.line;
+
+  if (NumSlots < 2) begin : gen_check_num_slots
+    $error("ti_ra: NumSlots must be 2 or more");
+  end
+  if (Rows < 1) begin : gen_check_rows
+    $error("ti_ra: Rows must be 1 or more");
+  end
+  if (Elems * ElemBytes != LineBytes || (Elems & (Elems - 1)) != 0) begin : gen_check_elem_bytes
+    $error("ti_ra: ElemBytes must divide LineBytes into a power of two");
+  end
+
+  `TI_ASSERT(OutHeldUntilTaken,
+             rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable({rsp_slot_o, rsp_elem_o, rsp_error_o}))
+  `TI_ASSERT(OneRowALine, $onehot0(row_match))
+  `TI_ASSERT(AnswersBusyRows, line_rsp_valid_i |->
+             row_busy_q[line_rsp_row_i] && !row_filled_q[line_rsp_row_i])
+  `TI_COVER(JoinsARowAsItFills, use_merge && line_rsp_valid_i && line_rsp_row_i == merge_row)
+
+endmodule : ti_ra

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// RD, the ray dispatcher: sets rays up, answers those that miss the scene, deals the others to homes.
+///
+/// One ray in three cycles (one reciprocal serves the three axes).  Rays keep their order.  Credits bound
+/// the rays inside to `Depth`, so the set-up never stalls.  `DealTile` rays in a row go to the same home while it
+/// has room, so that rays that lie together share an L1; then the next home with room.
+module ti_rd #(
+  parameter int unsigned NumTrv = 1,
+  parameter int unsigned DealTile = 16,
+  localparam int unsigned AcceptLatency = 1,
+  localparam int unsigned AxisCycles = 3,
+  localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(ti_pkg::FracBits) + ti_fp_pkg::MulLatency + 2,
+  localparam int unsigned QueueLatency = 1,
+  localparam int unsigned Latency = AcceptLatency + AxisCycles - 1 + ClipLatency + QueueLatency
+) (
+  input logic clk_i,
+  input logic rst_ni,
+  input ti_pkg::vec3_t box_lo_i,
+  input ti_pkg::vec3_t box_hi_i,
+
+  input  logic         ray_valid_i,
+  output logic         ray_ready_o,
+  input  ti_pkg::ray_t ray_data_i,
+
+  // To a home only while it is ready: a home that has room keeps it until it is dealt a ray.
+  output logic              [NumTrv-1:0] dispatch_valid_o,
+  input  logic              [NumTrv-1:0] dispatch_ready_i,
+  output ti_pkg::dispatch_t              dispatch_data_o,
+
+  output logic         hit_valid_o,  // rays that miss the scene box or are invalid
+  input  logic         hit_ready_i,
+  output ti_pkg::hit_t hit_data_o
+);
+
+  localparam int unsigned Depth = 16;
+  localparam int unsigned CountWidth = $clog2(Depth + 1);
+  localparam int unsigned TileWidth = (DealTile > 1) ? $clog2(DealTile) : 1;
+
+  typedef struct packed {
+    logic            miss;
+    ti_pkg::status_e status;
+    ti_pkg::vec3_t   inv;
+    ti_pkg::fp_t     tmin;
+    ti_pkg::fp_t     tmax;
+  } clipped_t;
+
+  // Rays come in, three cycles each.
+  logic take, hold_valid_q, last_axis, leave;
+  logic [1:0] axis_q;
+  ti_pkg::ray_t hold_q, ray;
+  logic [CountWidth-1:0] credits_q;
+
+  assign last_axis   = axis_q == 2'd2;
+  assign ray_ready_o = credits_q != '0 && (!hold_valid_q || last_axis);
+  assign take        = ray_valid_i && ray_ready_o;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      hold_valid_q <= 1'b0;
+      axis_q       <= '0;
+      credits_q    <= CountWidth'(Depth);
+    end else begin
+      if (take) hold_valid_q <= 1'b1;
+      else if (last_axis) hold_valid_q <= 1'b0;
+      if (hold_valid_q) axis_q <= last_axis ? '0 : axis_q + 1'b1;
+      if (take != leave) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
+    end
+  end
+  always_ff @(posedge clk_i) if (take) hold_q <= ray_data_i;
+
+  // Clip, while the rays themselves wait.
+  logic clip_valid, clipped_valid, ray_waits;
+  clipped_t clip, clipped;
+
+  ti_rd_clip u_clip (
+    .clk_i,
+    .rst_ni,
+    .box_lo_i,
+    .box_hi_i,
+    .valid_i (hold_valid_q),
+    .axis_i  (axis_q),
+    .ray_i   (hold_q),
+    .valid_o (clip_valid),
+    .miss_o  (clip.miss),
+    .status_o(clip.status),
+    .inv_o   (clip.inv),
+    .tmin_o  (clip.tmin),
+    .tmax_o  (clip.tmax)
+  );
+
+  ti_queue #(
+    .payload_t(ti_pkg::ray_t),
+    .Depth    (Depth)
+  ) u_rays (
+    .clk_i,
+    .rst_ni,
+    .push_i     (take),
+    .push_data_i(ray_data_i),
+    .out_valid_o(ray_waits),
+    .out_ready_i(leave),
+    .out_data_o (ray)
+  );
+
+  ti_queue #(
+    .payload_t(clipped_t),
+    .Depth    (Depth)
+  ) u_clipped (
+    .clk_i,
+    .rst_ni,
+    .push_i     (clip_valid),
+    .push_data_i(clip),
+    .out_valid_o(clipped_valid),
+    .out_ready_i(leave),
+    .out_data_o (clipped)
+  );
+
+  // Deal.
+  localparam int unsigned HomeWidth = (NumTrv > 1) ? $clog2(NumTrv) : 1;
+  logic [HomeWidth-1:0] home_q, next_home;
+  logic [TileWidth-1:0] dealt_q;
+  logic next_any, home_ready, deal, dealt_tile;
+
+  assign home_ready      = dispatch_ready_i[home_q];
+  assign deal            = clipped_valid && !clipped.miss && home_ready;
+  assign dealt_tile      = deal && dealt_q == TileWidth'(DealTile - 1);
+  assign dispatch_data_o = '{ray: ray, inv: clipped.inv, tmin: clipped.tmin, tmax: clipped.tmax};
+  always_comb begin
+    dispatch_valid_o         = '0;
+    dispatch_valid_o[home_q] = deal;
+  end
+
+  ti_round_robin #(
+    .Num(NumTrv)
+  ) u_next_home (
+    .request_i(dispatch_ready_i),
+    .from_i   ((home_q == HomeWidth'(NumTrv - 1)) ? '0 : home_q + 1'b1),
+    .any_o    (next_any),
+    .index_o  (next_home)
+  );
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      home_q  <= '0;
+      dealt_q <= '0;
+    end else if (dealt_tile || (clipped_valid && !home_ready)) begin
+      if (next_any) home_q <= next_home;
+      dealt_q <= '0;
+    end else if (deal) begin
+      dealt_q <= dealt_q + 1'b1;
+    end
+  end
+
+  // Misses.
+  assign hit_valid_o = clipped_valid && clipped.miss;
+  always_comb begin
+    hit_data_o        = '0;
+    hit_data_o.ray_id = ray.ray_id;
+    hit_data_o.status = clipped.status;
+    hit_data_o.prim   = ti_pkg::NoPrim;
+    hit_data_o.t      = ti_pkg::FpInf;
+  end
+  assign leave = deal || (hit_valid_o && hit_ready_i);
+
+  `TI_ASSERT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid |-> ray_waits)
+  `TI_ASSERT(OneHomeARay, $onehot0(dispatch_valid_o))
+
+endmodule : ti_rd

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// What a ray does after a node: the traversal rules of `docs/architecture.md`, combinational.
+///
+/// Inner node: near only when not t < tmax (also when t is NaN), else far only when t <= tmin, else near with
+/// tmax := t and the far child pushed.  The near child is the adjacent one exactly when the sign of the
+/// direction XNOR the node's reorder flag (ODFL, Nah et al. 2011).  `<=` makes restarts end.
+/// Leaf: on to the top of the short stack; else, if an entry was dropped, restart from the root at the
+/// leaf's exit; else the end.  An empty leaf also ends a ray whose best t does not exceed the exit;
+/// a leaf with triangles leaves that to `ti_trv_return`.  2 CMP.
+module ti_trv_decide #(
+  parameter int unsigned StackDepth = 4,
+  parameter int unsigned WatchdogSteps = 65535,
+  localparam int unsigned LevelWidth = $clog2(StackDepth + 1)
+) (
+  input ti_pkg::node_index_t root_i,
+
+  input ti_pkg::node_index_t index_i,     // of the node
+  input ti_pkg::node_t       node_i,
+  input logic                error_i,     // memory gave no node
+  input logic                negative_i,
+  input ti_pkg::fp_t         t_i,
+  input ti_pkg::fp_t         tmin_i,
+  input ti_pkg::fp_t         tmax_i,
+  input ti_pkg::fp_t         ray_tmax_i,  // end of the ray's interval, for restarts
+  input ti_pkg::fp_t         tbest_i,
+  input ti_pkg::steps_t      steps_i,     // nodes visited before this one
+  input logic [LevelWidth-1:0] level_i,   // entries on the stack
+  input logic                dropped_i,   // an entry has been dropped since the last restart
+  input ti_pkg::node_index_t top_node_i,
+  input ti_pkg::fp_t         top_tmax_i,
+
+  output ti_pkg::steps_t      steps_o,   // this node included, unless the watchdog stops before it
+  output logic                go_o,      // visit `next_o`, at once or after the leaf's triangles
+  output ti_pkg::node_index_t next_o,
+  output logic                leaf_o,    // test the triangles of this leaf
+  output logic                over_o,    // the ray ends here, with `status_o`
+  output ti_pkg::status_e     status_o,
+  output ti_pkg::fp_t         tmin_o,
+  output ti_pkg::fp_t         tmax_o,
+  output logic [LevelWidth-1:0] level_o,
+  output logic                dropped_o,
+  output logic                push_o,    // (far_o, tmax_i) onto the stack
+  output ti_pkg::node_index_t far_o,
+  output logic                pop_o,
+  output logic                restart_o
+);
+
+  localparam int unsigned E = ti_pkg::ExpBits;
+  localparam int unsigned M = ti_pkg::FracBits;
+
+  logic is_leaf, below_tmax, up_to_tmin, best_ends, near_is_adjacent, out_of_steps;
+  ti_pkg::node_index_t near, adjacent;
+
+  assign is_leaf          = node_i.axis == 2'd3;
+  assign adjacent         = index_i + 1'b1;
+  assign near_is_adjacent = negative_i ~^ node_i.reorder;
+  assign near             = near_is_adjacent ? adjacent : node_i.link;
+  assign far_o            = near_is_adjacent ? node_i.link : adjacent;
+  assign out_of_steps     = steps_i >= ti_pkg::steps_t'(WatchdogSteps);
+  assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
+
+  // An inner node compares t with both ends; a leaf compares the best t with its exit.
+  ti_fp_cmp #(E, M) u_tmax (.a_i(t_i), .b_i(tmax_i), .lt_o(below_tmax), .eq_o(), .le_o(), .unordered_o());
+  ti_fp_cmp #(E, M) u_tmin (.a_i(is_leaf ? tbest_i : t_i), .b_i(is_leaf ? tmax_i : tmin_i), .lt_o(),
+      .eq_o(), .le_o(up_to_tmin), .unordered_o());
+  assign best_ends = up_to_tmin;
+
+  always_comb begin
+    go_o      = 1'b0;
+    next_o    = near;
+    leaf_o    = 1'b0;
+    over_o    = 1'b0;
+    status_o  = ti_pkg::Ok;
+    tmin_o    = tmin_i;
+    tmax_o    = tmax_i;
+    level_o   = level_i;
+    dropped_o = dropped_i;
+    push_o    = 1'b0;
+    pop_o     = 1'b0;
+    restart_o = 1'b0;
+
+    if (out_of_steps) begin
+      over_o   = 1'b1;
+      status_o = ti_pkg::Watchdog;
+    end else if (error_i) begin
+      over_o   = 1'b1;
+      status_o = ti_pkg::MemoryError;
+    end else if (is_leaf) begin
+      leaf_o = node_i.link[15:0] != '0;
+      tmin_o = tmax_i;
+      if (!leaf_o && best_ends) begin
+        over_o = 1'b1;
+      end else if (level_i != '0) begin
+        go_o    = 1'b1;
+        pop_o   = 1'b1;
+        next_o  = top_node_i;
+        tmax_o  = top_tmax_i;
+        level_o = level_i - 1'b1;
+      end else if (dropped_i && tmax_i != ray_tmax_i) begin
+        go_o      = 1'b1;
+        restart_o = 1'b1;
+        next_o    = root_i;
+        tmax_o    = ray_tmax_i;
+        dropped_o = 1'b0;
+      end else begin
+        over_o = !leaf_o;
+      end
+    end else begin
+      go_o = 1'b1;
+      if (below_tmax) begin
+        if (up_to_tmin) begin
+          next_o = far_o;
+        end else begin
+          tmax_o = t_i;
+          push_o = 1'b1;
+          if (level_i == LevelWidth'(StackDepth)) dropped_o = 1'b1;
+          else level_o = level_i + 1'b1;
+        end
+      end
+    end
+  end
+
+endmodule : ti_trv_decide

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// The way home: the best hit of each slot, the end of leaves, retirement.  1 CMP.
+///
+/// Takes return tokens and slots that are over, one at a time.  A miss costs 1 cycle, a hit 3, the last test
+/// of a leaf 1 more, a retirement 1 more.  A hit counts when tmin <= t and (t, prim) is less than the
+/// best so far, which starts as (the ray's tmax, no primitive).  When all tests of a leaf are back, the ray
+/// ends if its best t <= the leaf's exit, if it is an any-hit ray with a hit, if memory failed, or if
+/// nothing is left to visit; else it goes on.  Waits only for the taker of hits.
+module ti_trv_return #(
+  parameter int unsigned NumSlots = 8
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  // A ray takes a slot; only while `start_ready_o`.
+  input  logic              start_i,
+  output logic              start_ready_o,
+  input  ti_pkg::trv_slot_t start_slot_i,
+  input  ti_pkg::ray_t      start_ray_i,
+
+  // A slot enters a leaf with triangles.
+  input logic                park_i,
+  input ti_pkg::trv_slot_t   park_slot_i,
+  input ti_pkg::tri_count_t  park_count_i,
+  input logic                park_go_i,    // there is more to visit after it
+  input ti_pkg::node_index_t park_next_i,
+  input ti_pkg::fp_t         park_exit_i,
+  input ti_pkg::steps_t      park_steps_i,
+
+  // A slot is over without a leaf.
+  input  logic              over_valid_i,
+  output logic              over_ready_o,
+  input  ti_pkg::trv_slot_t over_slot_i,
+  input  ti_pkg::status_e   over_status_i,
+  input  ti_pkg::steps_t    over_steps_i,
+
+  input  logic            return_valid_i,
+  output logic            return_ready_o,
+  input  ti_pkg::return_t return_data_i,
+
+  // A slot goes on after a leaf; always accepted.
+  output logic                resume_o,
+  output ti_pkg::trv_slot_t   resume_slot_o,
+  output ti_pkg::node_index_t resume_node_o,
+
+  // The best t of a slot, for the step pipeline: read one cycle ahead.
+  input  logic              tbest_read_i,
+  input  ti_pkg::trv_slot_t tbest_slot_i,
+  output ti_pkg::fp_t       tbest_o,
+
+  output logic         hit_valid_o,
+  input  logic         hit_ready_i,
+  output ti_pkg::hit_t hit_data_o,
+
+  output logic              free_o,       // the slot's ray has retired
+  output ti_pkg::trv_slot_t free_slot_o
+);
+
+  typedef ti_pkg::trv_slot_t slot_t;
+  typedef ti_pkg::fp_t fp_t;
+
+  typedef struct packed {
+    logic [31:0] ray_id;
+    logic        any_hit;
+    fp_t         tmin;
+    fp_t         tmax;
+  } start_t;
+
+  typedef struct packed {
+    ti_pkg::tri_count_t  count;
+    logic                go;
+    ti_pkg::node_index_t next;
+    fp_t                 exit;
+    ti_pkg::steps_t      steps;
+  } park_t;
+
+  typedef struct packed {
+    fp_t           t;
+    fp_t           u;
+    fp_t           v;
+    ti_pkg::prim_t prim;
+  } best_t;
+
+  typedef enum logic [2:0] {
+    Idle,    // nothing in hand
+    Wait,    // a hit has just been written
+    Token,   // a return token: compare with tmin
+    Accept,  // a hit in range: compare with the best
+    Leaf,    // all tests are back: end or go on
+    Retire   // give the hit to the taker
+  } state_e;
+
+  state_e state_d, state_q;
+
+  // What is in hand.
+  slot_t slot_q;
+  ti_pkg::return_t token_q;
+  ti_pkg::status_e status_d, status_q;
+  ti_pkg::steps_t over_steps_q;
+  logic over_q, prefer_over_q;
+  start_t start;
+  park_t park;
+  best_t best, best_ram, new_best_q;
+  logic new_best_valid_q;
+
+  // Per slot.
+  logic [NumSlots-1:0] has_hit_q, error_q;
+  ti_pkg::tri_count_t back_q[NumSlots];
+
+  logic load, load_over, all_back, le, lt, eq, take_hit, finish_token, ends;
+  fp_t cmp_a, cmp_b;
+
+  ti_ram_1r1w #(
+    .Depth(NumSlots),
+    .word_t(start_t)
+  ) u_start (
+    .clk_i,
+    .read_en_i   (load),
+    .read_addr_i (load_slot),
+    .read_data_o (start),
+    .write_en_i  (start_i),
+    .write_addr_i(start_slot_i),
+    .write_data_i('{ray_id: start_ray_i.ray_id, any_hit: start_ray_i.any_hit, tmin: start_ray_i.tmin,
+                    tmax: start_ray_i.tmax})
+  );
+
+  ti_ram_1r1w #(
+    .Depth(NumSlots),
+    .word_t(park_t)
+  ) u_park (
+    .clk_i,
+    .read_en_i   (load),
+    .read_addr_i (load_slot),
+    .read_data_o (park),
+    .write_en_i  (park_i),
+    .write_addr_i(park_slot_i),
+    .write_data_i('{count: park_count_i, go: park_go_i, next: park_next_i, exit: park_exit_i,
+                    steps: park_steps_i})
+  );
+
+  ti_ram_1r1w #(
+    .Depth(NumSlots),
+    .word_t(best_t)
+  ) u_best (
+    .clk_i,
+    .read_en_i   (load),
+    .read_addr_i (load_slot),
+    .read_data_o (best_ram),
+    .write_en_i  (take_hit),
+    .write_addr_i(slot_q),
+    .write_data_i('{t: token_q.t, u: token_q.u, v: token_q.v, prim: token_q.prim})
+  );
+
+  // A copy of the best t for the step pipeline; a start writes the ray's tmax into it.
+  logic start_hold_q;
+  slot_t start_hold_slot_q;
+  fp_t start_hold_tmax_q;
+  ti_ram_1r1w #(
+    .Depth(NumSlots),
+    .word_t(ti_pkg::fp_t)
+  ) u_tbest (
+    .clk_i,
+    .read_en_i   (tbest_read_i),
+    .read_addr_i (tbest_slot_i),
+    .read_data_o (tbest_o),
+    .write_en_i  (take_hit || start_hold_q),
+    .write_addr_i(take_hit ? slot_q : start_hold_slot_q),
+    .write_data_i(take_hit ? token_q.t : start_hold_tmax_q)
+  );
+
+  // A hit in the same cycle goes first.
+  assign start_ready_o = !start_hold_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) start_hold_q <= 1'b0;
+    else start_hold_q <= start_i || (start_hold_q && take_hit);
+  end
+  always_ff @(posedge clk_i) begin
+    if (start_i) begin
+      start_hold_slot_q <= start_slot_i;
+      start_hold_tmax_q <= start_ray_i.tmax;
+    end
+  end
+
+  // Next in hand: slots that are over and tokens take turns.
+  slot_t load_slot;
+  assign load           = state_d == Idle;
+  assign load_over      = over_valid_i && (prefer_over_q || !return_valid_i);
+  assign load_slot      = load_over ? over_slot_i : return_data_i.home.slot;
+  assign over_ready_o   = load && (prefer_over_q || !return_valid_i);
+  assign return_ready_o = load && !(prefer_over_q && over_valid_i);
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      state_q       <= Idle;
+      prefer_over_q <= 1'b0;
+    end else begin
+      if (!load) state_q <= state_d;
+      else if (load_over) state_q <= Retire;
+      else if (return_valid_i) state_q <= Token;
+      else state_q <= Idle;
+      if (load && (over_valid_i || return_valid_i)) prefer_over_q <= !load_over;
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (load) begin
+      slot_q       <= load_slot;
+      token_q      <= return_data_i;
+      over_q       <= load_over;
+      over_steps_q <= over_steps_i;
+      status_q     <= over_status_i;
+    end else begin
+      status_q <= status_d;
+    end
+  end
+
+  // The best so far of the slot in hand, with what this token has just changed.
+  always_ff @(posedge clk_i) begin
+    new_best_valid_q <= take_hit || (new_best_valid_q && !load);
+    if (take_hit) new_best_q <= '{t: token_q.t, u: token_q.u, v: token_q.v, prim: token_q.prim};
+  end
+  always_comb begin
+    best = new_best_valid_q ? new_best_q : best_ram;
+    if (!has_hit_q[slot_q]) best = '{t: start.tmax, u: '0, v: '0, prim: ti_pkg::NoPrim};
+  end
+
+  // One comparison a state: tmin with t, t with the best, the best with the exit.
+  always_comb begin
+    cmp_a = start.tmin;
+    cmp_b = token_q.t;
+    if (state_q == Accept) begin
+      cmp_a = token_q.t;
+      cmp_b = best.t;
+    end else if (state_q == Leaf) begin
+      cmp_a = best.t;
+      cmp_b = park.exit;
+    end
+  end
+  ti_fp_cmp #(ti_pkg::ExpBits, ti_pkg::FracBits) u_cmp (.a_i(cmp_a), .b_i(cmp_b), .lt_o(lt),
+      .eq_o(eq), .le_o(le), .unordered_o());
+
+  assign take_hit = state_q == Accept && (lt || (eq && token_q.prim < best.prim));
+  assign all_back = back_q[slot_q] + token_q.count == park.count;
+  assign ends     = error_q[slot_q] || !park.go || le || (start.any_hit && has_hit_q[slot_q]);
+
+  always_comb begin
+    state_d      = Idle;
+    status_d     = status_q;
+    finish_token = 1'b0;
+    resume_o     = 1'b0;
+    free_o       = 1'b0;
+
+    unique case (state_q)
+      Idle, Wait: ;
+      Token: begin
+        if (token_q.hit && le) begin
+          state_d = Accept;
+        end else begin
+          finish_token = 1'b1;
+          if (all_back) state_d = Leaf;
+        end
+      end
+      Accept: begin
+        finish_token = 1'b1;
+        if (all_back) state_d = Leaf;
+      end
+      Leaf: begin
+        status_d = error_q[slot_q] ? ti_pkg::MemoryError : ti_pkg::Ok;
+        if (ends) state_d = Retire;
+        else resume_o = 1'b1;
+      end
+      Retire: begin
+        if (hit_ready_i) free_o = 1'b1;
+        else state_d = Retire;
+      end
+      default: ;
+    endcase
+    // A hit that is written in this cycle could be what the next token reads.
+    if (state_q == Accept && !all_back) state_d = take_hit ? Wait : Idle;
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (finish_token) begin
+      back_q[slot_q] <= all_back ? '0 : back_q[slot_q] + token_q.count;
+      if (token_q.error) error_q[slot_q] <= 1'b1;
+      if (take_hit) has_hit_q[slot_q] <= 1'b1;
+    end
+    if (start_i) begin
+      back_q[start_slot_i]    <= '0;
+      error_q[start_slot_i]   <= 1'b0;
+      has_hit_q[start_slot_i] <= 1'b0;
+    end
+  end
+
+  assign resume_slot_o = slot_q;
+  assign resume_node_o = park.next;
+  assign free_slot_o   = slot_q;
+
+  // A ray that ends badly reports no hit; an any-hit ray reports only that it hit.
+  logic reports_hit;
+  assign reports_hit = has_hit_q[slot_q] && status_q == ti_pkg::Ok;
+  assign hit_valid_o = state_q == Retire;
+  always_comb begin
+    hit_data_o        = '0;
+    hit_data_o.ray_id = start.ray_id;
+    hit_data_o.status = status_q;
+    hit_data_o.steps  = over_q ? over_steps_q : park.steps;
+    hit_data_o.hit    = reports_hit;
+    if (!reports_hit) begin
+      hit_data_o.t    = ti_pkg::FpInf;
+      hit_data_o.prim = ti_pkg::NoPrim;
+    end else if (!start.any_hit) begin
+      hit_data_o.t    = best.t;
+      hit_data_o.u    = best.u;
+      hit_data_o.v    = best.v;
+      hit_data_o.prim = best.prim;
+    end
+  end
+
+  `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT(NeverMoreBackThanSent, finish_token |-> back_q[slot_q] + token_q.count <= park.count)
+  `TI_ASSERT(StartsWhenReady, start_i |-> start_ready_o)
+
+endmodule : ti_trv_return
