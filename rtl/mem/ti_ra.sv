@@ -211,10 +211,10 @@ module ti_ra #(
     .read_en_i     (drain || use_hit),
     .read_set_i    (drain ? row_set[drain_row] : ((Sets > 1) ? s1_line_q[SetWidth-1:0] : '0)),
     .read_way_i    (drain ? row_way_q[drain_row] : hit_way),
-    .line_o        (line)
+    .line_o        (read_line)
   );
 
-  logic [8*LineBytes-1:0] line;
+  logic [8*LineBytes-1:0] read_line;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) s2_valid_q <= 1'b0;
@@ -236,7 +236,7 @@ module ti_ra #(
   assign rsp_valid_o = s2_valid_q;
   assign rsp_slot_o  = s2_slot_q;
   assign rsp_error_o = s2_error_q;
-  assign rsp_elem_o  = line[(32'(s2_elem_q)*ElemBytes*8)+:ElemBytes*8];
+  assign rsp_elem_o  = read_line[(32'(s2_elem_q)*ElemBytes*8)+:ElemBytes*8];
 
   // Line requests wait here for the port; a row asks once, so Rows places are enough.
   line_req_t line_req;

@@ -29,18 +29,18 @@ module ti_trv_step #(
   localparam int unsigned E = ti_pkg::ExpBits;
   localparam int unsigned M = ti_pkg::FracBits;
 
-  logic inner, distance_valid;
+  logic inner, to_plane_valid;
   logic [1:0] axis;
-  ti_pkg::fp_t inv, inv_mul, distance;
+  ti_pkg::fp_t inv, inv_mul, to_plane;
 
   assign inner = valid_i && node_i.axis != 2'd3;
   assign axis  = inner ? node_i.axis : 2'd0;
   assign inv   = inv_i[axis];
 
-  ti_fp_add #(E, M) u_distance (.clk_i, .rst_ni, .valid_i(inner), .a_i(node_i.value[E+M:0]),
-      .b_i(o_i[axis]), .negate_b_i(1'b1), .valid_o(distance_valid), .result_o(distance));
+  ti_fp_add #(E, M) u_to_plane (.clk_i, .rst_ni, .valid_i(inner), .a_i(node_i.value[E+M:0]),
+      .b_i(o_i[axis]), .negate_b_i(1'b1), .valid_o(to_plane_valid), .result_o(to_plane));
   ti_delay #(ti_pkg::fp_t, ti_fp_pkg::AddLatency) u_inv (.clk_i, .rst_ni, .data_i(inv), .data_o(inv_mul));
-  ti_fp_mul #(E, M) u_t (.clk_i, .rst_ni, .valid_i(distance_valid), .a_i(distance), .b_i(inv_mul),
+  ti_fp_mul #(E, M) u_t (.clk_i, .rst_ni, .valid_i(to_plane_valid), .a_i(to_plane), .b_i(inv_mul),
       .valid_o(), .result_o(t_o));
 
   logic [Latency-1:0] valid_q;

@@ -24,7 +24,8 @@ enum class Verdict : std::uint8_t {
 };
 
 struct TruthReport {
-  std::uint64_t rays = 0, agree = 0, embree_wrong = 0, tie = 0, edge = 0, grazing = 0, unexplained = 0;
+  std::uint64_t rays = 0, agree = 0, embree_wrong = 0, tie = 0, edge = 0, grazing = 0,
+                unexplained = 0;
   std::vector<std::string> examples;  ///< up to 8 unexplained rays, one paste-able line each
 };
 
@@ -47,7 +48,8 @@ class Truth {
   /// Traces and judges all rays; hits whose status is not Ok must be misses.
   [[nodiscard]] TruthReport compare(std::span<const Ray> rays, std::span<const Hit> hits) const;
 
-  /// Exact closest hit by brute force over all triangles with rational arithmetic: every id of least t.
+  /// Exact closest hit by brute force over all triangles with rational arithmetic: every id of
+  /// least t.
   struct ExactHit {
     bool hit = false;
     std::vector<std::int32_t> prims;  ///< ascending

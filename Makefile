@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# The only door to the project.  `make` alone prints what there is.
+
+CONFIG ?= small
+SET ?=
+SCENE ?= cornell
+SIZE ?= 256x256
+SPP ?= 1
+EFFECTS ?= none
+ENGINE ?= rtl
+FORMAT ?= 8,23
+FILE ?=
+OP ?=
+OUT ?=
+RAYS ?=
+SEED ?=
+TEST ?=
+UNIT ?=
+
+SHELL := /bin/bash
+MAKEFLAGS += --no-print-directory
+.SUFFIXES:
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+
+export PATH := $(CURDIR)/build/venv/bin:$(PATH)
+export PYTHONPYCACHEPREFIX := $(CURDIR)/build/pycache
+export CCACHE_DIR ?= $(CURDIR)/build/ccache
+export OBJCACHE := ccache
+
+# The compiler that the set-up chose; read when a recipe runs.
+cxx = $(shell sed -n 1p build/setup.stamp)
+
+empty :=
+space := $(empty) $(empty)
+comma := ,
+# Name of the configuration with its overrides, as a folder: small-num_trv-2.
+tag := $(subst =,-,$(subst $(space),-,$(strip $(basename $(notdir $(CONFIG))) $(SET))))
+config := build/$(tag)/config
+
+# A bare scene name is looked up, with or without its ending; anything else is a path.
+scene_folders := scenes build/scenes ../shared/scenes
+scene_endings := .gltf .glb .obj .ply .ply.zst
+knot := build/scenes/knot.ply
+scene = $(firstword $(if $(filter knot,$(SCENE)),$(knot)) $(wildcard $(foreach d,$(scene_folders),\
+  $(addprefix $(d)/$(SCENE),$(scene_endings)) $(filter-out $(d)/,$(d)/$(filter-out .. .,$(SCENE))))) $(SCENE))
+scene_name = $(firstword $(subst ., ,$(notdir $(scene))))
+run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
+
+# Only the program with the RTL as an engine is built for a configuration.
+ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
+needs = check-engine $(call ti,$(ENGINE)) $(config)/config.json $(filter $(knot),$(scene))
+common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED))
+# Hard cases run on both unless the user names one.
+case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
+cases = $(or $(FILE),scenes/hardcases.jsonl)
+
+include sim/sim.mk
+
+##@ Trace
+render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= OUT= DUMP=1)
+	@$(call ti,$(ENGINE)) render --scene $(scene) --size $(SIZE) --spp $(SPP) --effects $(EFFECTS) $(common_args) \
+	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(or $(OUT),build/render/$(run_name))
+
+trace: need-RAYS $(needs) ## Hits of your own rays (RAYS=file.npy SCENE= CONFIG= ENGINE= OUT=)
+	@$(call ti,$(ENGINE)) trace --rays $(RAYS) --scene $(scene) $(common_args) \
+	  --out $(or $(OUT),build/trace/$(run_name))
+
+hardcases: check-engine $(foreach e,$(case_engines),$(call ti,$(e))) $(config)/config.json ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
+	@$(foreach e,$(case_engines),$(call ti,$(e)) hardcases --file $(cases) \
+	  --config $(config)/config.json --engine $(e) &&) true
+
+testfloat: need-FILE need-OP build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
+	@scripts/logged.sh build/fp/$(subst $(comma),-,$(FORMAT))/build.log "build: FP operators ($(FORMAT))" \
+	  env CXX=$(cxx) scripts/build_fp_rtl.sh $(subst $(comma), ,$(FORMAT)) build/fp/$(subst $(comma),-,$(FORMAT))
+	@build/fp/$(subst $(comma),-,$(FORMAT))/fp_rtl --testfloat $(FILE) --op $(OP)
+
+##@ Check
+test: build/setup.stamp sw ## Every check that CI runs (TEST=part_of_a_name for a few)
+ifeq ($(TEST),)
+	@scripts/lint.sh
+	@scripts/logged.sh build/sw/ti_tests.log "test: C++" build/sw/ti_tests
+	@scripts/logged.sh build/sw/fp_volume.log "test: C++ FP against MPFR" build/sw/fp_volume --pairs 200000
+else
+	@scripts/logged.sh build/sw/ti_tests.log "test: C++, *$(TEST)*" build/sw/ti_tests -tc='*$(TEST)*'
+endif
+	@echo "test: RTL"
+	@unset TEST; pytest -n 2 --dist loadfile tb/unit $(wildcard tb/system) $(if $(TEST),-k '$(TEST)')
+
+sim: need-UNIT build/setup.stamp model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
+	@pytest -s tb/unit/test_$(UNIT).py
+
+waves: need-UNIT build/setup.stamp model ## The same with an FST, opened in a viewer (UNIT= TEST=)
+	@WAVES=1 pytest tb/unit/test_$(UNIT).py; status=$$?; scripts/show_waves.sh $(UNIT); exit $$status
+
+lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
+	@scripts/lint.sh
+
+format: build/setup.stamp ## Lay out RTL, C++ and Python
+	@verible-verilog-format --flagfile=lint/verible-format.flags --inplace $$(find rtl tb sim -name '*.sv')
+	@clang-format -i $$(find sw sim tb -name '*.cpp' -o -name '*.hpp')
+	@ruff format --quiet && ruff check --quiet --fix
+
+##@ House
+setup: ## Install what is missing (apt, Python in build/venv)
+	@scripts/setup.sh
+
+clean: ## Remove what builds and runs wrote; the set-up stays (ALL=1: that too)
+	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp -exec rm -rf {} +)
+
+help: ## Show this list
+	@awk 'BEGIN {FS = ":.*## "} /^##@ / {printf "\n%s\n", substr($$0, 5)} \
+	  /^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@printf '\nCONFIG= is a name in configs/ or a file; SET="num_trv=2 trv_slots=16" changes keys of it.\n'
+
+need-%:
+	@[[ -n "$($*)" ]] || { echo "make $(firstword $(MAKECMDGOALS)): $*= is missing; 'make help' says what it is" >&2; exit 2; }
+
+check-engine:
+	@[[ " rtl model embree " == *" $(ENGINE) "* ]] || \
+	  { echo "ENGINE=$(ENGINE): no such engine; there are rtl, model and embree" >&2; exit 2; }
+
+# Also when this folder has moved, since Python environments hold its path.
+build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-packages.txt requirements.txt \
+    $(if $(filter-out $(shell sed -n 2p build/setup.stamp 2>/dev/null),$(CURDIR)),FORCE)
+	@scripts/setup.sh
+
+# The large scene of the project.
+$(knot): scripts/make_scenes.py | build/setup.stamp
+	@python scripts/make_scenes.py --big $(@D)
+
+FORCE:
+.PHONY: FORCE render trace hardcases testfloat test sim waves lint format setup clean help check-engine

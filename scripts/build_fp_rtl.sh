@@ -1,0 +1,40 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Build the test bench of the floating-point RTL for one format: build_fp_rtl.sh E M OUTDIR
+# leaves the program OUTDIR/fp_rtl.  Needs `verilator` on PATH; CXX, OBJCACHE as usual.
+set -eu
+
+if [ $# -ne 3 ]; then
+  echo "usage: build_fp_rtl.sh EXP_BITS FRAC_BITS OUTDIR" >&2
+  exit 2
+fi
+for bits in "$1" "$2"; do
+  case $bits in
+    '' | *[!0-9]* | ???*)
+      echo "The format '$1,$2' is not two whole numbers E,M." >&2
+      exit 2
+      ;;
+  esac
+done
+if [ "$1" -lt 3 ] || [ "$1" -gt 8 ] || [ "$2" -lt 2 ] || [ "$2" -gt 23 ]; then
+  echo "The format ($1,$2) is outside 3 <= E <= 8, 2 <= M <= 23." >&2
+  exit 2
+fi
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+mkdir -p "$3"
+out=$(cd "$3" && pwd)
+export OBJCACHE="${OBJCACHE-$(command -v ccache || true)}"
+
+# One build at a time in a folder.
+exec 9> "$out/lock"
+flock 9
+
+verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
+  --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$1" -GFracBits="$2" \
+  -I"$root/rtl/common" "$root/lint/verilator.vlt" \
+  "$root/rtl/fp/ti_fp_pkg.sv" "$root/rtl/fp/ti_fp_add.sv" "$root/rtl/fp/ti_fp_mul.sv" \
+  "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
+  "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/common/format.cpp" \
+  -CFLAGS "-std=c++20 -ffp-contract=off -I$root/sw -I$root/sim/fp" \
+  -CFLAGS "-DTI_EXP_BITS=$1 -DTI_FRAC_BITS=$2" -MAKEFLAGS OPT_FAST=-O2

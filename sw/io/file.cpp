@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "common/error.hpp"
+
+namespace ti {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& path) {
+  std::error_code ec;
+  const fs::file_status status = fs::status(path, ec);
+  if (!fs::exists(status)) {
+    throw Error(fmt::format("{}: there is no such file; check the path", path.string()));
+  }
+  if (fs::is_directory(status)) {
+    throw Error(fmt::format("{}: this is a folder; name a file in it", path.string()));
+  }
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) {
+    throw Error(fmt::format("{}: the file cannot be read; check its permissions", path.string()));
+  }
+  return bytes;
+}
+
+void write_file(const fs::path& path, std::string_view bytes) {
+  static std::atomic<unsigned> serial{0};
+  std::error_code ec;
+  if (path.filename().empty() || fs::is_directory(path, ec)) {
+    throw Error(
+        fmt::format("{}: a file cannot be written over a folder; name a file", path.string()));
+  }
+  if (path.has_parent_path()) {
+    fs::create_directories(path.parent_path(), ec);
+    if (ec) {
+      throw Error(fmt::format("{}: the folder cannot be made ({}); choose another place",
+                              path.parent_path().string(), ec.message()));
+    }
+  }
+  fs::path part = path;
+  part += fmt::format(".{}.{}.part", getpid(), serial++);
+  std::ofstream out(part, std::ios::binary | std::ios::trunc);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  const bool written = !out.fail();
+  if (written) {
+    fs::rename(part, path, ec);
+  }
+  if (!written || ec) {
+    std::error_code ignored;
+    fs::remove(part, ignored);
+    throw Error(fmt::format("{}: the file cannot be written; check permissions and free space",
+                            path.string()));
+  }
+}
+
+}  // namespace ti

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "model/vec.hpp"
+#include "tree/image.hpp"
+
+namespace ti::model {
+
+/// What pass (a) leaves for pass (b).
+template <class F>
+struct AfterA {
+  F det, dett, audet, av;
+};
+
+/// What pass (b) leaves for pass (c).
+template <class F>
+struct AfterB {
+  F det, dett, detu, detv;
+};
+
+namespace detail {
+
+template <class F>
+[[nodiscard]] std::uint32_t exponent(F x) {
+  return (x.bits() & ~F::kSignBit) >> F::kFracBits;
+}
+template <class F>
+[[nodiscard]] bool is_normal(F x) {
+  return x.is_finite() && exponent(x) != 0;
+}
+template <class F>
+[[nodiscard]] F magnitude(F x) {
+  return x.signbit() ? -x : x;
+}
+/// Zero, or of the same sign.
+template <class F>
+[[nodiscard]] bool agrees(F x, F sign_of) {
+  return x.is_zero() || (!x.is_nan() && x.signbit() == sign_of.signbit());
+}
+
+}  // namespace detail
+
+/// Pass (a), ray against plane (Shevtsov et al. 2007, local form); nothing when the test is over.
+///
+/// Bit-exact model of `ti_ist1_pipe`, pass (a): det = (nu du + nv dv) + dw, dett = (nu au + nv av) + aw with a = p - o.
+/// The cull by the best t is conservative: it holds only where the rounded t must exceed `tbest`.
+template <class F>
+[[nodiscard]] std::optional<AfterA<F>> pass_a(const ImagePlane& plane, const Vec<F>& o, const Vec<F>& d, F tbest) {
+  const std::size_t w = plane.axis;
+  const std::size_t u = (w + 1) % 3;
+  const std::size_t v = (w + 2) % 3;
+  const F nu = F::from_bits(plane.nu);
+  const F nv = F::from_bits(plane.nv);
+  const F det = (nu * d[u] + nv * d[v]) + d[w];
+  const F au = F::from_bits(plane.pu) - o[u];
+  const F av = F::from_bits(plane.pv) - o[v];
+  const F aw = F::from_bits(plane.pw) - o[w];
+  const F dett = (nu * au + nv * av) + aw;
+  const F limit = tbest * det;
+
+  if (det.is_zero() || !det.is_finite() || !dett.is_finite()) return std::nullopt;
+  if (!detail::agrees(dett, det)) return std::nullopt;
+  const bool inverse_is_normal = detail::exponent(det) <= 2 * F::kBias - 2;
+  if (inverse_is_normal && detail::is_normal(tbest) && detail::is_normal(limit) &&
+      detail::magnitude(limit).ulps_up(4) < detail::magnitude(dett)) {
+    return std::nullopt;
+  }
+  return AfterA<F>{det, dett, au * det, av};
+}
+
+/// Pass (b), inside test; nothing when the test is over.
+///
+/// Bit-exact model of `ti_ist1_pipe`, pass (b).
+template <class F>
+[[nodiscard]] std::optional<AfterB<F>> pass_b(const ImagePlane& plane, const ImageBary& bary, const Vec<F>& d,
+                                              const AfterA<F>& a) {
+  const std::size_t u = (plane.axis + 1) % 3;
+  const std::size_t v = (plane.axis + 2) % 3;
+  const F du = d[u] * a.dett - a.audet;
+  const F dv = d[v] * a.dett - a.av * a.det;
+  const F detu = F::from_bits(bary.e1v) * du - F::from_bits(bary.e1u) * dv;
+  const F detv = F::from_bits(bary.e0u) * dv - F::from_bits(bary.e0v) * du;
+  if (!detail::agrees(detu, a.det) || !detail::agrees(detv, a.det)) return std::nullopt;
+  if (!(detail::magnitude(detu + detv) <= detail::magnitude(a.det))) return std::nullopt;
+  return AfterB<F>{a.det, a.dett, detu, detv};
+}
+
+}  // namespace ti::model

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/ray.hpp"
+#include "tree/image.hpp"
+
+namespace ti {
+
+/// Work that rays took; the same numbers from the model and the RTL, ray by ray.
+struct Work {
+  std::uint64_t steps = 0;        ///< nodes visited, leaves included
+  std::uint64_t leaves = 0;       ///< leaves visited
+  std::uint64_t full_leaves = 0;  ///< of these, with triangles
+  std::uint64_t restarts = 0;
+  std::uint64_t a_tests = 0, b_tests = 0, c_tests = 0;  ///< tests that took pass (a), (b), (c)
+
+  bool operator==(const Work&) const = default;
+  Work& operator+=(const Work& other);
+};
+
+/// A hit as the bits of the number format, for comparison in lock-step.
+struct HitBits {
+  std::uint32_t t = 0, u = 0, v = 0;
+  std::int32_t prim = -1;
+  Status status = Status::Ok;
+  std::uint16_t steps = 0;
+
+  bool operator==(const HitBits&) const = default;
+};
+
+/// The bit-exact model of the engine: what the hardware must answer, ray by ray.
+class Tracer {
+ public:
+  struct Options {
+    int stack_depth = 4;
+    int watchdog_steps = 65535;
+  };
+
+  /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format that the model is not built for.
+  [[nodiscard]] static std::unique_ptr<Tracer> create(const Image& image, const Options& options);
+  virtual ~Tracer() = default;
+
+  /// One ray; adds to `work`. With `log`, hands one line a node visited to it (see `docs/step-log.md`). Safe to call from several threads.
+  using Log = std::function<void(const std::string&)>;
+  [[nodiscard]] virtual HitBits trace(const Ray& ray, Work& work, const Log* log = nullptr) const = 0;
+
+  /// All rays on all processors, in the order of `rays`.
+  [[nodiscard]] std::vector<HitBits> trace(std::span<const Ray> rays, Work& work) const;
+};
+
+/// The formats that the model is built for, as "(8,23), (7,16), ...".
+[[nodiscard]] std::string tracer_formats();
+
+/// `bits` of `format` as a hit in binary32; exact, as every format fits in it.
+[[nodiscard]] Hit hit_of(Format format, const HitBits& bits);
+
+}  // namespace ti

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "model/vec.hpp"
+#include "tree/image.hpp"
+
+namespace ti::model {
+
+/// t at which a ray crosses the split plane; NaN exactly when it is parallel to the plane and in it.
+///
+/// Bit-exact model of `ti_trv_step`.
+template <class F>
+[[nodiscard]] F split_distance(const ImageNode& node, const Vec<F>& o, const Vec<F>& inv) {
+  return (F::from_bits(node.value) - o[node.axis()]) * inv[node.axis()];
+}
+
+/// Which children a ray visits.
+enum class Side : std::uint8_t { Near, Far, Both };
+
+/// The three-way choice: near only when not t < tmax, else far only when t <= tmin, else both.
+template <class F>
+[[nodiscard]] Side choose(F t, F tmin, F tmax) {
+  if (!(t < tmax)) return Side::Near;
+  return t <= tmin ? Side::Far : Side::Both;
+}
+
+/// The children in the order of the ray: near is the adjacent one exactly when sign XNOR reorder flag.
+struct Children {
+  std::uint32_t near, far;
+};
+[[nodiscard]] inline Children ordered(const ImageNode& node, std::uint32_t index, bool negative) {
+  const std::uint32_t adjacent = index + 1;
+  if (negative == node.reorder()) return {adjacent, node.other()};
+  return {node.other(), adjacent};
+}
+
+/// The newest `depth` entries; pushing on a full stack drops the oldest and remembers that it did.
+template <class F>
+class ShortStack {
+ public:
+  struct Entry {
+    std::uint32_t node;
+    F tmax;
+  };
+
+  explicit ShortStack(std::size_t depth) : depth_(depth) {}
+
+  void clear() {
+    entries_.clear();
+    dropped_ = false;
+  }
+  void push(Entry entry) {
+    if (entries_.size() == depth_) {
+      entries_.erase(entries_.begin());
+      dropped_ = true;
+    }
+    entries_.push_back(entry);
+  }
+  [[nodiscard]] Entry pop() {
+    const Entry top = entries_.back();
+    entries_.pop_back();
+    return top;
+  }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  [[nodiscard]] bool dropped() const { return dropped_; }
+  void forget_dropped() { dropped_ = false; }
+
+ private:
+  std::size_t depth_;
+  std::vector<Entry> entries_;
+  bool dropped_ = false;
+};
+
+}  // namespace ti::model

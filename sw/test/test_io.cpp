@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Arrays survive a round trip bit for bit, every malformed one is refused by name, and pictures and configurations are whole.
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "common/config.hpp"
+#include "io/file.hpp"
+#include "io/npy.hpp"
+#include "io/png.hpp"
+#include "test/support.hpp"
+
+namespace {
+
+using namespace ti;
+using namespace ti::test;
+
+/// A .npy of format `major`.0 with this header and this many bytes of data.
+std::string npy(const std::string& dict, std::size_t data, int major = 1) {
+  std::string bytes("\x93NUMPY", 6);
+  bytes.push_back(static_cast<char>(major));
+  bytes.push_back(0);
+  for (int i = 0; i < (major == 1 ? 2 : 4); ++i) {
+    bytes.push_back(static_cast<char>(dict.size() >> (8 * i) & 0xFF));
+  }
+  return bytes + dict + std::string(data, '\0');
+}
+
+std::string header(const std::string& descr, const std::string& shape,
+                   const std::string& fortran = "False") {
+  return "{'descr': '" + descr + "', 'fortran_order': " + fortran + ", 'shape': " + shape + ", }\n";
+}
+
+TEST_CASE("rays survive a round trip bit for bit") {
+  const TempDir dir;
+  const float inf = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<Ray> rays{
+      {.o = {1.0F, -0.0F, 1e-42F}, .tmin = 0.5F, .d = {nan, inf, -inf}, .tmax = 3e38F},
+      {}};
+  save_rays(dir / "a/b/rays.npy", rays);
+  const auto back = load_rays(dir / "a/b/rays.npy");
+  REQUIRE(back.size() == 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      CHECK(std::bit_cast<std::uint32_t>(back[i].o[k]) ==
+            std::bit_cast<std::uint32_t>(rays[i].o[k]));
+      CHECK(std::bit_cast<std::uint32_t>(back[i].d[k]) ==
+            std::bit_cast<std::uint32_t>(rays[i].d[k]));
+    }
+    CHECK(back[i].tmin == rays[i].tmin);
+    CHECK(back[i].tmax == rays[i].tmax);
+    CHECK_FALSE(back[i].any);
+  }
+}
+
+TEST_CASE("an array of no rays is written and read") {
+  const TempDir dir;
+  save_rays(dir / "rays.npy", {});
+  CHECK(load_rays(dir / "rays.npy").empty());
+}
+
+TEST_CASE("arrays have the header and the data that NumPy writes") {
+  const TempDir dir;
+  const std::vector<Hit> hits{{.t = 1.0F, .u = 0.25F, .v = 0.5F, .prim = 7}, {}};
+  save_prims(dir / "prims.npy", hits);
+  const std::string prims = bytes_of(dir / "prims.npy");
+  const std::string dict = "{'descr': '<i4', 'fortran_order': False, 'shape': (2,), }";
+  const std::string head = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + dict;
+  CHECK(prims == head + std::string(127 - head.size(), ' ') + "\n" +
+                     std::string("\x07\x00\x00\x00\xFF\xFF\xFF\xFF", 8));
+  save_hits(dir / "hits.npy", hits);
+  const std::string out = bytes_of(dir / "hits.npy");
+  CHECK(out.find("'<f4'") != std::string::npos);
+  CHECK(out.find("(2, 3)") != std::string::npos);
+  CHECK(out.size() == 128 + 24);
+  CHECK(out.substr(128, 4) == std::string("\x00\x00\x80\x3F", 4));
+  CHECK(out.substr(140, 4) == std::string("\x00\x00\x80\x7F", 4));
+}
+
+TEST_CASE("format 2.0 and other spellings of the header are read") {
+  const TempDir dir;
+  CHECK(load_rays(dir.file("v2.npy", npy(header("<f4", "(3, 8)"), 96, 2))).size() == 3);
+  const std::string odd = R"({"shape":(3,8,),"fortran_order":False,"descr":"<f4"})";
+  CHECK(load_rays(dir.file("odd.npy", npy(odd, 96))).size() == 3);
+}
+
+TEST_CASE("each malformed array is refused by what is wrong with it") {
+  const TempDir dir;
+  struct Case {
+    std::string bytes;
+    std::string word;
+  };
+  const std::string good = npy(header("<f4", "(3, 8)"), 96);
+  const std::vector<Case> cases{
+      {"", "not a .npy"},
+      {"not numpy at all", "not a .npy"},
+      {good.substr(0, 9), "not a .npy"},
+      {npy(header("<f4", "(3, 8)"), 96, 3), "3.0"},
+      {good.substr(0, 30), "cut in its header"},
+      {npy("{'descr': '<f4', 'shape': (3, 8)}", 96), "malformed"},
+      {npy("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 8), } x", 96), "malformed"},
+      {npy("{'descr': '<f4', 'fortran_order': False, 'shape': (-3, 8), }", 96), "malformed"},
+      {npy("{'descr': '<f4', 'fortran_order': 0, 'shape': (3, 8), }", 96), "malformed"},
+      {npy("{'descr': '<f4", 96), "malformed"},
+      {npy(header("<f4", "(99999999999999999999999, 8)"), 96), "malformed"},
+      {npy(header("<f8", "(3, 8)"), 192), "'<f8'"},
+      {npy(header(">f4", "(3, 8)"), 96), "'>f4'"},
+      {npy(header("<i4", "(3, 8)"), 96), "'<i4'"},
+      {npy(header("<f4", "(24,)"), 96), "(24)"},
+      {npy(header("<f4", "(8, 3)"), 96), "(8, 3)"},
+      {npy(header("<f4", "()"), 96), "(N, 8)"},
+      {npy(header("<f4", "(1, 3, 8)"), 96), "(1, 3, 8)"},
+      {npy(header("<f4", "(3, 8)", "True"), 96), "Fortran"},
+      {npy(header("<f4", "(3, 8)"), 95), "is cut"},
+      {npy(header("<f4", "(1152921504606846977, 8)"), 32), "is cut"},
+      {npy(header("<f4", "(3, 8)"), 97), "1 bytes follow"},
+  };
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    CAPTURE(i);
+    const auto path = dir.file("bad.npy", cases[i].bytes);
+    check_error([&] { (void)load_rays(path); }, {"bad.npy", cases[i].word});
+  }
+  check_error([&] { (void)load_rays(dir / "none.npy"); }, {"none.npy", "no such file"});
+  check_error([&] { (void)load_rays(dir / ""); }, {"folder"});
+}
+
+TEST_CASE("a file is replaced whole and nothing is left beside it") {
+  const TempDir dir;
+  write_file(dir / "x", "long old text");
+  write_file(dir / "x", "new");
+  CHECK(read_file(dir / "x") == "new");
+  CHECK(dir.count() == 1);
+  check_error([&] { write_file(dir / "", "a"); }, {"folder"});
+  check_error([&] { write_file(dir / "x/y", "a"); }, {"x", "cannot be made"});
+  std::filesystem::create_directory(dir / "sub");
+  check_error([&] { write_file(dir / "sub", "a"); }, {"sub", "folder"});
+  CHECK(dir.count() == 2);
+}
+
+TEST_CASE("a picture has its size and is refused when its colours do not fill it") {
+  const TempDir dir;
+  std::vector<glm::vec3> colours(6, glm::vec3(0.5F, -1.0F, std::nanf("")));
+  colours[5] = glm::vec3(std::numeric_limits<float>::infinity());
+  save_png(dir / "p/image.png", colours, 3, 2);
+  const std::string png = bytes_of(dir / "p/image.png");
+  REQUIRE(png.size() > 33);
+  CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n");
+  CHECK(png.substr(16, 10) == std::string("\0\0\0\3\0\0\0\2\x08\x02", 10));
+  check_error([&] { save_png(dir / "q.png", colours, 2, 2); }, {"q.png", "2x2"});
+  check_error([&] { save_png(dir / "q.png", {}, 0, 2); }, {"q.png", "0x2"});
+  check_error([&] { save_png(dir / "q.png", {}, 1, 100000); }, {"100000"});
+  CHECK_FALSE(std::filesystem::exists(dir / "q.png"));
+}
+
+constexpr const char* kConfig =
+    R"({"name": "odd", "exp_bits": 7, "frac_bits": 16, "num_trv": 3, "num_list": 1, "num_ist1": 2,
+        "trv_slots": 8, "stack_depth": 5, "line_bytes": 32, "deal_tile": 4,
+        "watchdog_steps": 999, "clock_mhz": 250, "more": [1]})";
+
+TEST_CASE("a configuration is read key by key") {
+  const TempDir dir;
+  const Config c = load_config(dir.file("config.json", kConfig));
+  CHECK(c.name == "odd");
+  CHECK(c.format == Format{7, 16});
+  CHECK(c.num_trv == 3);
+  CHECK(c.num_list == 1);
+  CHECK(c.num_ist1 == 2);
+  CHECK(c.trv_slots == 8);
+  CHECK(c.stack_depth == 5);
+  CHECK(c.line_bytes == 32);
+  CHECK(c.deal_tile == 4);
+  CHECK(c.watchdog_steps == 999);
+  CHECK(c.clock_mhz == 250);
+}
+
+TEST_CASE("a configuration that lacks a key or has a wrong value is refused by its name") {
+  const TempDir dir;
+  const std::string good = kConfig;
+  const std::vector<std::string> keys{"name",       "exp_bits",  "frac_bits",      "num_trv",
+                                      "num_list",   "num_ist1",  "trv_slots",      "stack_depth",
+                                      "line_bytes", "deal_tile", "watchdog_steps", "clock_mhz"};
+  for (const std::string& key : keys) {
+    std::string text = good;
+    text.replace(text.find('"' + key + '"') + 1, key.size(), "other");
+    const auto path = dir.file("config.json", text);
+    check_error([&] { (void)load_config(path); }, {"config.json", "`" + key + "`", "missing"});
+  }
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return dir.file("config.json", text);
+  };
+  for (const char* value : {"2", "9", "7.5", "\"7\"", "null", "1e99"}) {
+    const auto path = with("\"exp_bits\": 7", std::string("\"exp_bits\": ") + value);
+    check_error([&] { (void)load_config(path); }, {"`exp_bits`", "from 3 to 8"});
+  }
+  check_error([&] { (void)load_config(dir.file("c.json", "{\"name\": ")); }, {"not a JSON"});
+  check_error([&] { (void)load_config(dir.file("c.json", "[]")); }, {"not a JSON"});
+  check_error([&] { (void)load_config(dir / "none.json"); }, {"no such file"});
+}
+
+}  // namespace

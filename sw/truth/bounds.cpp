@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "truth/bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ti {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kDoubleUnit = 0x1p-52;      // covers one rounding of a double twice over
+constexpr double kSumSlack = 1.0 + 0x1p-40;  // for the few roundings of a bound itself
+
+bool finite(const Corners& triangle) {
+  return std::all_of(triangle.begin(), triangle.end(), [](const glm::vec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  });
+}
+
+std::array<double, 3> difference(const glm::vec3& a, const glm::vec3& b) {
+  return {double{a.x} - double{b.x}, double{a.y} - double{b.y}, double{a.z} - double{b.z}};
+}
+
+/// n = e0 x e1 in double, or by integers when cancellation leaves fewer than 44 good bits of the
+/// largest component.
+std::array<double, 3> normal(const Corners& triangle) {
+  const auto e0 = difference(triangle[1], triangle[0]);
+  const auto e1 = difference(triangle[2], triangle[0]);
+  std::array<double, 3> n{};
+  double largest = 0.0;
+  double terms = 0.0;
+  for (std::size_t w = 0; w < 3; ++w) {
+    const std::size_t u = (w + 1) % 3;
+    const std::size_t v = (w + 2) % 3;
+    n[w] = e0[u] * e1[v] - e0[v] * e1[u];
+    largest = std::max(largest, std::abs(n[w]));
+    terms = std::max(terms, std::abs(e0[u] * e1[v]) + std::abs(e0[v] * e1[u]));
+  }
+  if (largest > terms * 0x1p-6) {
+    return n;
+  }
+  const auto exact = exact_normal(triangle);
+  for (std::size_t w = 0; w < 3; ++w) {
+    long exponent = 0;
+    const double mantissa = mpz_get_d_2exp(&exponent, exact[w].get_mpz_t());
+    n[w] = std::ldexp(mantissa, static_cast<int>(exponent) - 298);
+  }
+  return n;
+}
+
+}  // namespace
+
+BoundedOps::BoundedOps(Format format)
+    : u_(std::ldexp(1.0, -format.frac_bits - 1) + kDoubleUnit),
+      eta_(std::ldexp(1.0, 1 - format.bias() - format.frac_bits - 1)),
+      max_(std::ldexp(2.0 - std::ldexp(1.0, -format.frac_bits), format.bias())) {}
+
+Bounded BoundedOps::ranged(Bounded a) const {
+  const double reach = std::abs(a.v) + a.e;
+  return reach <= max_ ? Bounded{a.v, a.e * kSumSlack}
+                       : Bounded{std::clamp(a.v, -max_, max_), kInf};
+}
+
+Bounded BoundedOps::stored(double value) const {
+  return ranged({value, value == 0.0 ? 0.0 : u_ * std::abs(value) + eta_});
+}
+
+Bounded BoundedOps::add(Bounded a, Bounded b) const {
+  const double v = a.v + b.v;
+  const double e = a.e + b.e;
+  const bool exact = (a.v == 0.0 && a.e == 0.0) || (b.v == 0.0 && b.e == 0.0);
+  return ranged({v, exact ? e : e + u_ * (std::abs(v) + e)});
+}
+
+Bounded BoundedOps::mul(Bounded a, Bounded b) const {
+  if ((a.v == 0.0 && a.e == 0.0 && b.e < kInf) || (b.v == 0.0 && b.e == 0.0 && a.e < kInf)) {
+    return {0.0, 0.0};
+  }
+  if (a.e == kInf || b.e == kInf) {
+    return {0.0, kInf};
+  }
+  const double v = a.v * b.v;
+  const double e = std::abs(a.v) * b.e + std::abs(b.v) * a.e + a.e * b.e;
+  return ranged({v, e + u_ * (std::abs(v) + e) + eta_});
+}
+
+Bounded BoundedOps::reciprocal(Bounded a) const {
+  const double least = std::abs(a.v) - a.e;
+  if (!(least > 0.0)) {
+    return {0.0, kInf};
+  }
+  const double v = 1.0 / a.v;
+  const double e = a.e / (std::abs(a.v) * least);
+  return ranged({v, e + 2.0 * u_ * (std::abs(v) + e) + eta_});
+}
+
+std::optional<TestConstants> test_constants(const Corners& triangle, Format format) {
+  if (!finite(triangle)) {
+    return std::nullopt;
+  }
+  const auto n = normal(triangle);
+  std::size_t w = 0;
+  for (std::size_t k = 1; k < 3; ++k) {
+    w = std::abs(n[k]) > std::abs(n[w]) ? k : w;
+  }
+  if (n[w] == 0.0) {
+    return std::nullopt;
+  }
+  const std::size_t u = (w + 1) % 3;
+  const std::size_t v = (w + 2) % 3;
+  const auto e0 = difference(triangle[1], triangle[0]);
+  const auto e1 = difference(triangle[2], triangle[0]);
+  const auto p = difference(triangle[0], glm::vec3(0.0F));
+  TestConstants c{static_cast<int>(w), n[u] / n[w],  n[v] / n[w],  p[u],        p[v], p[w],
+                  e0[u] / n[w],        e0[v] / n[w], e1[u] / n[w], e1[v] / n[w]};
+  for (const double x : {c.e0u, c.e0v, c.e1u, c.e1v}) {
+    if (!std::isfinite(round_to(format, x))) {
+      return std::nullopt;
+    }
+  }
+  return c;
+}
+
+TestBand test_band(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
+  const int iu = (tri.w + 1) % 3;
+  const int iv = (tri.w + 2) % 3;
+  const auto exactly = [](float x) { return Bounded{double{x}, 0.0}; };
+  const Bounded nu = ops.stored(tri.nu);
+  const Bounded nv = ops.stored(tri.nv);
+  const Bounded du = exactly(ray.d[iu]);
+  const Bounded dv = exactly(ray.d[iv]);
+  const Bounded au = ops.sub({tri.pu, 0.0}, exactly(ray.o[iu]));
+  const Bounded av = ops.sub({tri.pv, 0.0}, exactly(ray.o[iv]));
+  const Bounded aw = ops.sub({tri.pw, 0.0}, exactly(ray.o[tri.w]));
+
+  const Bounded det = ops.add(ops.add(ops.mul(nu, du), ops.mul(nv, dv)), exactly(ray.d[tri.w]));
+  const Bounded dett = ops.add(ops.add(ops.mul(nu, au), ops.mul(nv, av)), aw);
+  const Bounded big_u = ops.sub(ops.mul(du, dett), ops.mul(au, det));
+  const Bounded big_v = ops.sub(ops.mul(dv, dett), ops.mul(av, det));
+  const Bounded detu =
+      ops.sub(ops.mul(ops.stored(tri.e1v), big_u), ops.mul(ops.stored(tri.e1u), big_v));
+  const Bounded detv =
+      ops.sub(ops.mul(ops.stored(tri.e0u), big_v), ops.mul(ops.stored(tri.e0v), big_u));
+  const Bounded sum = ops.add(detu, detv);
+
+  TestBand band;
+  if (det.v == 0.0 && det.e == 0.0) {
+    return band;
+  }
+  if (!(std::abs(det.v) > det.e)) {
+    // The sign of det is open: only what holds for both signs excludes the triangle.
+    const bool opposite =
+        (detu.lo() > 0.0 && detv.hi() < 0.0) || (detu.hi() < 0.0 && detv.lo() > 0.0);
+    const bool outside = std::abs(sum.v) - sum.e > std::abs(det.v) + det.e;
+    const double least_t =
+        (std::abs(dett.v) - dett.e) / (std::abs(det.v) + det.e) * (1.0 - 8.0 * ops.u()) - ops.eta();
+    band.possible = !opposite && !outside && !(least_t > ops.max());
+    band.grazing = true;
+    band.t = band.u = band.v = {0.0, kInf};
+    return band;
+  }
+  const double s = det.v < 0.0 ? -1.0 : 1.0;
+  const Bounded r = ops.reciprocal(det);
+  band.t = ops.mul(dett, r);
+  band.u = ops.mul(detu, r);
+  band.v = ops.mul(detv, r);
+  const std::array<Bounded, 4> inside{Bounded{s * dett.v, dett.e}, Bounded{s * detu.v, detu.e},
+                                      Bounded{s * detv.v, detv.e},
+                                      Bounded{s * (det.v - sum.v), det.e + sum.e}};
+  band.possible =
+      std::all_of(inside.begin(), inside.end(), [](const Bounded& x) { return x.hi() >= 0.0; });
+  const bool sided =
+      std::all_of(inside.begin(), inside.end(), [](const Bounded& x) { return x.lo() >= 0.0; });
+  band.certain = sided && r.e < kInf && band.t.e < kInf;
+  band.grazing =
+      band.possible && (inside[0].lo() < 0.0 || r.e == kInf || band.t.e == kInf || sum.e == kInf);
+  return band;
+}
+
+bool may_meet(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
+  if (ops.u() > 0x1p-7) {
+    return true;  // the static form is of first order: too loose a proof for very short fractions
+  }
+  const int iu = (tri.w + 1) % 3;
+  const int iv = (tri.w + 2) % 3;
+  const double du = ray.d[iu];
+  const double dv = ray.d[iv];
+  const double dw = ray.d[tri.w];
+  const double au = tri.pu - ray.o[iu];
+  const double av = tri.pv - ray.o[iv];
+  const double aw = tri.pw - ray.o[tri.w];
+  const double det = tri.nu * du + tri.nv * dv + dw;
+  const double dett = tri.nu * au + tri.nv * av + aw;
+  const double big_u = du * dett - au * det;
+  const double big_v = dv * dett - av * det;
+  const double detu = tri.e1v * big_u - tri.e1u * big_v;
+  const double detv = tri.e0u * big_v - tri.e0v * big_u;
+
+  const double a = std::max({std::abs(au), std::abs(av), std::abs(aw)});
+  const double d = std::max({std::abs(du), std::abs(dv), std::abs(dw)});
+  const double s0 = std::abs(tri.e0u) + std::abs(tri.e0v);
+  const double s1 = std::abs(tri.e1u) + std::abs(tri.e1v);
+  if (6.0 * (s0 + s1 + 1.0) * (a + 1.0) * (d + 1.0) > ops.max()) {
+    return true;  // may overflow: the bounds below do not speak of that
+  }
+  // Twice the first-order static bounds of numerics, and the underflow of every product.
+  const double u2 = 2.0 * ops.u();
+  const double tiny = 32.0 * ops.eta() * (1.0 + s0 + s1) * (1.0 + a) * (1.0 + d);
+  const double tol_u = 54.0 * u2 * s1 * a * d + tiny;
+  const double tol_v = 54.0 * u2 * s0 * a * d + tiny;
+  const double tol_w = 66.0 * u2 * (s0 + s1) * a * d + 15.0 * u2 * d + tiny;
+  const double w = det - detu - detv;
+  const double tol_det = 9.0 * u2 * d + tiny;
+  const double tol_t = 12.0 * u2 * a + tiny;
+  const bool plus =
+      det >= -tol_det && detu >= -tol_u && detv >= -tol_v && w >= -tol_w && dett >= -tol_t;
+  const bool minus =
+      det <= tol_det && detu <= tol_u && detv <= tol_v && w <= tol_w && dett <= tol_t;
+  return plus || minus;
+}
+
+}  // namespace ti

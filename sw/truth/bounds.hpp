@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "common/format.hpp"
+#include "scene/ray.hpp"
+#include "truth/exact.hpp"
+
+namespace ti {
+
+/// A number with its bound: the exact value and every value that the format may compute for it lie
+/// in [v - e, v + e].
+struct Bounded {
+  double v = 0.0;
+  double e = 0.0;
+
+  [[nodiscard]] double lo() const { return v - e; }
+  [[nodiscard]] double hi() const { return v + e; }
+};
+
+/// Running error bounds of one format's operators, round to nearest even with gradual underflow.
+///
+/// Each result adds u = 2^-(M+1) of itself, products also half the least subnormal; second-order
+/// terms are kept, so the bounds hold for every M, and the rounding of the doubles that carry them
+/// is included. A value that may leave the range has e = inf.
+class BoundedOps {
+ public:
+  explicit BoundedOps(Format format);
+
+  [[nodiscard]] Bounded stored(double value) const;  ///< a constant, rounded once
+  [[nodiscard]] Bounded add(Bounded a, Bounded b) const;
+  [[nodiscard]] Bounded sub(Bounded a, Bounded b) const { return add(a, {-b.v, b.e}); }
+  [[nodiscard]] Bounded mul(Bounded a, Bounded b) const;
+  [[nodiscard]] Bounded reciprocal(Bounded a) const;  ///< good to 1 ulp; e = inf when `a` may be 0
+
+  [[nodiscard]] double u() const { return u_; }
+  [[nodiscard]] double eta() const { return eta_; }
+  [[nodiscard]] double max() const { return max_; }
+
+ private:
+  [[nodiscard]] Bounded ranged(Bounded a) const;
+
+  double u_, eta_, max_;
+};
+
+/// The constants of a triangle for the test (local form of Shevtsov et al. 2007), in double before
+/// they are rounded.
+struct TestConstants {
+  int w = 0;  ///< axis of the largest |n|, the lowest at a tie; u and v follow cyclically
+  double nu = 0, nv = 0, pu = 0, pv = 0, pw = 0, e0u = 0, e0v = 0, e1u = 0, e1v = 0;
+};
+
+/// Constants of `triangle` to about 2^-44; none when its area is exactly zero, a corner is not
+/// finite, or a constant overflows `format`: the triangles that the builder drops.
+[[nodiscard]] std::optional<TestConstants> test_constants(const Corners& triangle, Format format);
+
+/// All that the test in the format can come to for one ray and triangle, tmin and tmax left aside.
+struct TestBand {
+  bool possible = false;  ///< some rounding accepts
+  bool certain = false;   ///< every rounding accepts
+  bool grazing =
+      false;     ///< det or the sign of t is within its bound of zero, or a value may overflow
+  Bounded t;     ///< e = inf when det may be zero
+  Bounded u, v;  ///< barycentric weights of the second and third corner
+
+  [[nodiscard]] double t_lo() const { return t.lo() > 0.0 ? t.lo() : 0.0; }
+  [[nodiscard]] double t_hi() const { return t.hi(); }
+};
+
+/// The bounds of numerics: E_det, E_dett (local), E_Du, E_u, E_0, by running the test of the engine
+/// on `Bounded` numbers. `ray` is in the format and valid.
+[[nodiscard]] TestBand test_band(const BoundedOps& ops, const TestConstants& triangle,
+                                 const Ray& ray);
+
+/// Whether the line of `ray` may meet the triangle by the static form of the same bounds; false
+/// only when `test_band` cannot be `possible` and the exact test misses too. About ten times as
+/// fast.
+[[nodiscard]] bool may_meet(const BoundedOps& ops, const TestConstants& triangle, const Ray& ray);
+
+}  // namespace ti

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "scene/ray.hpp"
+
+namespace ti {
+
+/// An Embree scene (3 or 4) in robust mode. Its answers are true away from edges and vertices only.
+class EmbreeScene {
+ public:
+  /// `prims[i]` is the number to report for `triangles[i]`. Throws `Error` when Embree cannot be
+  /// set up.
+  EmbreeScene(std::span<const glm::vec3> vertices,
+              std::span<const std::array<std::uint32_t, 3>> triangles,
+              std::vector<std::int32_t> prims);
+  ~EmbreeScene();
+  EmbreeScene(const EmbreeScene&) = delete;
+  EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  /// Whether Embree takes the ray: components of o and d within 1.844e18 (assertions of some builds
+  /// abort beyond), tmin and tmax not NaN.
+  [[nodiscard]] static bool takes(const Ray& ray);
+
+  /// Closest hit, or for an any-hit ray whether something is hit; `takes(ray)` must hold.
+  [[nodiscard]] Hit trace(const Ray& ray) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ti

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "truth/exact.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace ti {
+namespace {
+
+using Vec = std::array<mpz_class, 3>;
+
+/// Exponent of the least positive binary32, so that every finite value scaled by its inverse is an
+/// integer.
+constexpr int kUnitExponent = -149;
+
+mpz_class scaled(float x) {
+  int exponent = 0;
+  const float mantissa = std::frexp(x, &exponent);  // |mantissa| in [0.5, 1) with 24 bits
+  mpz_class z(static_cast<double>(std::ldexp(mantissa, 24)));
+  const int shift = exponent - 24 - kUnitExponent;
+  if (shift >= 0) {
+    return mpz_class(z << static_cast<unsigned>(shift));
+  }
+  mpz_tdiv_q_2exp(z.get_mpz_t(), z.get_mpz_t(),
+                  static_cast<mp_bitcnt_t>(-shift));  // drops zeros of a subnormal only
+  return z;
+}
+
+Vec scaled(const glm::vec3& p) { return {scaled(p.x), scaled(p.y), scaled(p.z)}; }
+
+Vec minus(const Vec& a, const Vec& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+Vec cross(const Vec& a, const Vec& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+mpz_class dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+std::array<mpz_class, 3> exact_normal(const Corners& triangle) {
+  const Vec p0 = scaled(triangle[0]);
+  return cross(minus(scaled(triangle[1]), p0), minus(scaled(triangle[2]), p0));
+}
+
+std::optional<ExactMeeting> exact_meeting(const Ray& ray, const Corners& triangle) {
+  const Vec p0 = scaled(triangle[0]);
+  const Vec e1 = minus(scaled(triangle[1]), p0);
+  const Vec e2 = minus(scaled(triangle[2]), p0);
+  const Vec d = scaled(ray.d);
+  const Vec p = cross(d, e2);
+  mpz_class det = dot(e1, p);
+  const int sign = sgn(det);
+  if (sign == 0) {
+    return std::nullopt;
+  }
+  const Vec s = minus(scaled(ray.o), p0);
+  const mpz_class u = dot(s, p) * sign;
+  if (sgn(u) < 0) {
+    return std::nullopt;
+  }
+  const Vec q = cross(s, e1);
+  const mpz_class v = dot(d, q) * sign;
+  if (sgn(v) < 0) {
+    return std::nullopt;
+  }
+  const mpz_class w = det * sign - u - v;
+  if (sgn(w) < 0) {
+    return std::nullopt;
+  }
+  ExactMeeting meeting;
+  meeting.t = mpq_class(dot(e2, q), det);
+  meeting.t.canonicalize();
+  meeting.boundary = sgn(u) == 0 || sgn(v) == 0 || sgn(w) == 0;
+  return meeting;
+}
+
+bool in_interval(const Ray& ray, const mpq_class& t) {
+  if (std::isnan(ray.tmin) || std::isnan(ray.tmax) || sgn(t) < 0) {
+    return false;
+  }
+  const auto not_above = [&t](float bound) {  // bound <= t
+    return std::isinf(bound) ? bound < 0.0F : mpq_class(static_cast<double>(bound)) <= t;
+  };
+  const auto not_below = [&t](float bound) {  // t <= bound
+    return std::isinf(bound) ? bound > 0.0F : t <= mpq_class(static_cast<double>(bound));
+  };
+  return not_above(ray.tmin) && not_below(ray.tmax);
+}
+
+double to_double(const mpq_class& q) {
+  // get_d truncates and saturates in ways that depend on the exponent; scale to the middle of the
+  // range instead.
+  if (sgn(q) == 0) {
+    return 0.0;
+  }
+  const auto bits = [](const mpz_class& z) {
+    return static_cast<long>(mpz_sizeinbase(z.get_mpz_t(), 2));
+  };
+  const long shift =
+      64 - (bits(q.get_num()) - bits(q.get_den()));  // the quotient gets 64 or 65 bits
+  mpz_class num = abs(q.get_num());
+  mpz_class den = q.get_den();
+  if (shift >= 0) {
+    num <<= static_cast<unsigned long>(shift);
+  } else {
+    den <<= static_cast<unsigned long>(-shift);
+  }
+  const mpz_class quotient = num / den;
+  const double magnitude = std::ldexp(mpz_get_d(quotient.get_mpz_t()), static_cast<int>(-shift));
+  return sgn(q) < 0 ? -magnitude : magnitude;
+}
+
+}  // namespace ti

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Floating-point results of any (E, M) from MPFR, independent of the project's own model."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import gmpy2
+
+_WIDE = gmpy2.context(precision=64)
+
+
+@dataclass(frozen=True)
+class Oracle:
+    """A format with its operations on images (integers of `width` bits).
+
+    IEEE 754, round to nearest even, subnormals kept, every NaN result the quiet NaN with sign 0 and
+    fraction 10...0: the written rule of `rtl/fp`.
+    """
+
+    exp_bits: int
+    frac_bits: int
+
+    @property
+    def width(self):
+        return 1 + self.exp_bits + self.frac_bits
+
+    @property
+    def bias(self):
+        return (1 << (self.exp_bits - 1)) - 1
+
+    @property
+    def inf(self):
+        """The image of +infinity."""
+        return ((1 << self.exp_bits) - 1) << self.frac_bits
+
+    @property
+    def nan(self):
+        return self.inf | 1 << (self.frac_bits - 1)
+
+    @property
+    def sign(self):
+        return 1 << (self.width - 1)
+
+    @cached_property
+    def context(self):
+        return gmpy2.context(
+            precision=self.frac_bits + 1,
+            emax=self.bias + 1,
+            emin=2 - self.bias - self.frac_bits,
+            subnormalize=True,
+            round=gmpy2.RoundToNearest,
+        )
+
+    def value(self, bits):
+        """The exact number that an image stands for."""
+        negative, magnitude = bool(bits & self.sign), bits & (self.sign - 1)
+        if magnitude > self.inf:
+            return gmpy2.nan()
+        if magnitude == self.inf:
+            return gmpy2.inf(-1 if negative else 1)
+        field, fraction = magnitude >> self.frac_bits, magnitude & ((1 << self.frac_bits) - 1)
+        if field:
+            fraction |= 1 << self.frac_bits
+        exponent = max(field, 1) - self.bias - self.frac_bits
+        result = _WIDE.mul_2exp(gmpy2.mpfr(fraction, 64), exponent + 1024)
+        result = _WIDE.div_2exp(result, 1024)
+        return -result if negative else result
+
+    def bits(self, value):
+        """The image of a number of the format."""
+        if gmpy2.is_nan(value):
+            return self.nan
+        sign = self.sign if gmpy2.is_signed(value) else 0
+        if gmpy2.is_infinite(value):
+            return sign | self.inf
+        if gmpy2.is_zero(value):
+            return sign
+        numerator, denominator = abs(value).as_integer_ratio()
+        # value = m / 2^k: the unit of the last place is 2^(max(e, 1 - bias) - M).
+        exponent = max(numerator.bit_length() - denominator.bit_length(), 1 - self.bias)
+        scaled = numerator << (self.frac_bits + 2 * self.bias)
+        fraction, rest = divmod(scaled, denominator << (exponent + 2 * self.bias))
+        assert rest == 0, f"{value} is not a number of {self}"
+        return sign | ((exponent + self.bias - 1) << self.frac_bits) + fraction
+
+    def add(self, a, b):
+        return self.bits(self.context.add(self.value(a), self.value(b)))
+
+    def sub(self, a, b):
+        return self.bits(self.context.sub(self.value(a), self.value(b)))
+
+    def mul(self, a, b):
+        return self.bits(self.context.mul(self.value(a), self.value(b)))
+
+    def rcp(self, a):
+        return self.bits(self.context.div(gmpy2.mpfr(1), self.value(a)))
+
+    def lt(self, a, b):
+        return int(self.value(a) < self.value(b))
+
+    def le(self, a, b):
+        return int(self.value(a) <= self.value(b))
+
+    def eq(self, a, b):
+        return int(self.value(a) == self.value(b))
+
+    def specials(self):
+        """Zeros, ends of the ranges, one and its neighbours, infinities, NaNs; both signs."""
+        one = self.bias << self.frac_bits
+        least_normal = 1 << self.frac_bits
+        magnitudes = [0, 1, 2, least_normal - 1, least_normal, least_normal + 1]
+        magnitudes += [one - 1, one, one + 1, one + (least_normal >> 1), 2 * one - 1]
+        magnitudes += [self.inf - 1, self.inf, self.inf + 1, self.nan, self.sign - 1]
+        magnitudes += [(2 * self.bias - 1) << self.frac_bits, 2 * self.bias << self.frac_bits]
+        return [s | m for m in dict.fromkeys(magnitudes) for s in (0, self.sign)]
+
+    def pairs(self, rng, count):
+        """All pairs of specials, then `count` seeded ones: uniform, near exponents, cancelling."""
+        specials = self.specials()
+        yield from ((a, b) for a in specials for b in specials)
+        for i in range(count):
+            a = rng.getrandbits(self.width)
+            if i % 4 == 0:
+                b = rng.getrandbits(self.width)
+            elif i % 4 == 1:
+                b = rng.choice(specials)
+            elif i % 4 == 2:  # so near that the smaller operand decides the rounding
+                reach = self.frac_bits + 3
+                field = (a >> self.frac_bits) % (1 << self.exp_bits) + rng.randint(-reach, reach)
+                field = min(max(field, 0), (1 << self.exp_bits) - 1)
+                b = field << self.frac_bits | rng.getrandbits(self.frac_bits)
+                b |= rng.choice((0, self.sign))
+            else:  # nearly equal magnitudes
+                b = (a + rng.randint(-4, 4) ^ rng.choice((0, self.sign))) % (1 << self.width)
+            yield (a, b) if rng.random() < 0.5 else (b, a)
