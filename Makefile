@@ -30,6 +30,7 @@ export PYTHONPYCACHEPREFIX := $(CURDIR)/build/pycache
 export CCACHE_DIR ?= $(CURDIR)/build/ccache
 export OBJCACHE := ccache
 
+jobs := $(shell nproc)
 # The compiler that the set-up chose; read when a recipe runs.
 cxx = $(shell sed -n 1p build/setup.stamp)
 
@@ -87,7 +88,7 @@ else
 	@scripts/logged.sh build/sw/ti_tests.log "test: C++, *$(TEST)*" build/sw/ti_tests -tc='*$(TEST)*'
 endif
 	@echo "test: RTL"
-	@unset TEST; pytest -n 2 --dist loadfile tb/unit $(wildcard tb/system) $(if $(TEST),-k '$(TEST)')
+	@unset TEST; pytest -n $(jobs) --dist loadfile tb/unit $(wildcard tb/system) $(if $(TEST),-k '$(TEST)')
 
 sim: need-UNIT build/setup.stamp model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
 	@pytest -s tb/unit/test_$(UNIT).py

@@ -28,9 +28,10 @@ build/sw/build.ninja: sw/CMakeLists.txt build/setup.stamp
 	  -DCMAKE_CXX_COMPILER=$(cxx) -DTI_PYTHON=$(CURDIR)/build/venv/bin/python
 	@touch $@
 
-# ninja_build TARGETS: builds them, with a line only when there is something to do.
-ninja_build = ninja -C build/sw -n $(1) | grep -q 'no work to do' || \
-  scripts/logged.sh build/sw/build.log "build: C++" ninja -C build/sw -j 2 $(1)
+# ninja_build TARGETS: builds them, one make at a time, with a line only when there is something to do.
+ninja_build = exec 9>build/sw/lock && flock 9 && \
+  { ninja -C build/sw -n $(1) | grep -q 'no work to do' || \
+    scripts/logged.sh build/sw/build.log "build: C++" ninja -C build/sw -j $(jobs) $(1); }
 
 sw: build/sw/build.ninja
 	@$(call ninja_build,all)
@@ -47,7 +48,7 @@ $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv sim/sim.mk build/s
 	@scripts/logged.sh $(rtl_build)/verilate.log "build: Verilator ($(tag))" verilator $(VERILATOR_FLAGS) \
 	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv -f rtl/ti.f
 	@scripts/logged.sh $(rtl_build)/model.log "build: compile the RTL model ($(tag))" \
-	  $(MAKE) -j 2 -C $(verilated) -f Vti_core.mk OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2 \
+	  $(MAKE) -j $(jobs) -C $(verilated) -f Vti_core.mk OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2 \
 	  libVti_core.a libverilated.a
 	@touch $@
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 
-`include "ti_assert.svh"
-
 /// Floating-point a + b, or a - b where `negate_b_i` is 1.
 ///
 /// Latency 4, one result a cycle, never stalls: `valid_o` is `valid_i` four cycles later.  All paths
@@ -67,8 +65,8 @@ module ti_fp_add #(
   end
 
   // Step 1: larger magnitude (`major`) first, distance of the exponents.
-  logic [MagBits-1:0] order_major_q;
-  logic [SigBits-1:0] order_minor_q;
+  logic [  MagBits-1:0] order_major_q;
+  logic [  SigBits-1:0] order_minor_q;
   logic [ShiftBits-1:0] order_shift_q;
   logic order_subtract_q, order_sign_q, order_nan_q;
 
@@ -107,55 +105,60 @@ module ti_fp_add #(
   logic [ExpBits-1:0] sum_exp_q;
   logic sum_sign_q, sum_nan_q;
 
+  /// Sum of significands, three more places on the right, a carry on the left.
+  function automatic logic [SumBits-1:0] sum_of(logic [MagBits-1:0] major,
+                                                logic [SigBits-1:0] minor,
+                                                logic [ShiftBits-1:0] shift, logic subtract);
+    logic [SigBits+ShiftMax-1:0] wide;
+    logic [SumBits-1:0] base, addend;
+    wide   = {minor, {ShiftMax{1'b0}}} >> shift;
+    base   = {1'b0, major[FracBits+:ExpBits] != '0, major[FracBits-1:0], 3'b000};
+    addend = {1'b0, wide[SigBits+ShiftMax-1:SigBits], |wide[SigBits-1:0]};
+    return subtract ? base - addend : base + addend;
+  endfunction
+
   always_ff @(posedge clk_i) begin
     if (valid_q[0]) begin
-      automatic logic [ExpBits-1:0] exp_major = order_major_q[FracBits+:ExpBits];
-      automatic logic [SigBits+ShiftMax-1:0] wide =
-          {order_minor_q, {ShiftMax{1'b0}}} >> order_shift_q;
-      automatic logic [SumBits-1:0] addend =
-          {1'b0, wide[SigBits+ShiftMax-1:SigBits], |wide[SigBits-1:0]};
-      automatic logic [SumBits-1:0] base =
-          {1'b0, exp_major != '0, order_major_q[FracBits-1:0], 3'b000};
-
-      sum_q <= order_subtract_q ? base - addend : base + addend;
-      sum_exp_q <= exp_major;
+      sum_q <= sum_of(order_major_q, order_minor_q, order_shift_q, order_subtract_q);
+      sum_exp_q <= order_major_q[FracBits+:ExpBits];
       sum_sign_q <= order_sign_q;
       sum_nan_q <= order_nan_q;
     end
   end
 
-  // Step 3: normalise.  The exponent is that of the carry bit, and never goes below 1.
+  // Step 3: normalise.
   logic [MagBits-1:0] norm_mag_q;
   logic norm_guard_q, norm_sticky_q, norm_inf_q, norm_sign_q, norm_nan_q;
 
-  /// {exponent, sum} moved left by the lesser of the leading zeros and exponent - 1.
-  function automatic logic [ExpBits+SumBits-1:0] normalise(logic [ExpBits-1:0] exponent,
+  /// {exponent field, sum} with the sum moved left by its leading zeros, or as far as exponent 1.
+  ///
+  /// A step of 2^i places is written without a branch, which a simulator would guess wrong.
+  function automatic logic [ExpBits+SumBits-1:0] normalise(logic [ExpBits-1:0] exp_major,
                                                            logic [SumBits-1:0] sum);
     logic [ExpBits-1:0] exp_left;
     logic [SumBits-1:0] sum_left;
-    exp_left = exponent;
+    logic [NormSteps-1:0] step;
+    logic moves;
+    // The exponent of the carry bit; exponent 0 has the scale of exponent 1.
+    exp_left = exp_major == '0 ? ExpBits'(2) : exp_major + ExpBits'(1);
     sum_left = sum;
     for (int i = NormSteps - 1; i >= 0; i--) begin
-      if ((sum_left >> (SumBits - (1 << i))) == '0 && 32'(exp_left) > (1 << i)) begin
-        exp_left = exp_left - ExpBits'(1 << i);
-        sum_left = sum_left << (1 << i);
-      end
+      moves = (sum_left >> (SumBits - (1 << i))) == '0 && 32'(exp_left) > (1 << i);
+      step = NormSteps'(moves) << i;
+      exp_left = exp_left - ExpBits'(step);
+      sum_left = sum_left << step;
     end
-    return {exp_left, sum_left};
+    return {sum_left[SumBits-1] ? exp_left : ExpBits'(0), sum_left};
   endfunction
 
   always_ff @(posedge clk_i) begin
     if (valid_q[1]) begin
-      automatic logic [ExpBits-1:0] exp_carry =
-          sum_exp_q == '0 ? ExpBits'(2) : sum_exp_q + ExpBits'(1);
-      automatic logic [ExpBits+SumBits-1:0] normal = normalise(exp_carry, sum_q);
-      automatic logic [ExpBits-1:0] exp_field =
-          normal[SumBits-1] ? normal[SumBits+:ExpBits] : '0;
+      automatic logic [ExpBits+SumBits-1:0] normal = normalise(sum_exp_q, sum_q);
 
-      norm_mag_q <= {exp_field, normal[SumBits-2-:FracBits]};
+      norm_mag_q <= {normal[SumBits+:ExpBits], normal[SumBits-2-:FracBits]};
       norm_guard_q <= normal[SumBits-2-FracBits];
       norm_sticky_q <= |normal[SumBits-3-FracBits:0];
-      norm_inf_q <= (&sum_exp_q) || (&exp_field);
+      norm_inf_q <= (&sum_exp_q) || (&normal[SumBits+:ExpBits]);
       norm_sign_q <= sum_sign_q;
       norm_nan_q <= sum_nan_q;
     end
@@ -164,15 +167,14 @@ module ti_fp_add #(
   // Step 4: round.  A carry out of the fraction is the right exponent, up to infinity.
   always_ff @(posedge clk_i) begin
     if (valid_q[2]) begin
+      automatic logic norm_up = norm_guard_q && (norm_sticky_q || norm_mag_q[0]);
+
       if (norm_nan_q) begin
         result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
       end else if (norm_inf_q) begin
         result_o <= {norm_sign_q, {ExpBits{1'b1}}, {FracBits{1'b0}}};
       end else begin
-        result_o <= {
-          norm_sign_q,
-          norm_mag_q + MagBits'(norm_guard_q && (norm_sticky_q || norm_mag_q[0]))
-        };
+        result_o <= {norm_sign_q, norm_mag_q + MagBits'(norm_up)};
       end
     end
   end

@@ -39,7 +39,7 @@ module ti_fp_mul #(
   // Enough for the signed sum of two exponents of up to 8 bits less the bias.
   localparam int unsigned SumExpBits = 10;
   localparam int signed Bias = (1 << (ExpBits - 1)) - 1;
-  localparam int signed ExpMax = (1 << ExpBits) - 1;
+  localparam int unsigned ExpMax = (1 << ExpBits) - 1;
   // A shift by SigBits + 1 leaves nothing but the sticky bit.
   localparam int unsigned ShiftMax = SigBits + 1;
   localparam int unsigned ShiftBits = $clog2(ShiftMax + 1);
@@ -95,46 +95,55 @@ module ti_fp_mul #(
   logic [MagBits-1:0] norm_mag_q;
   logic norm_guard_q, norm_sticky_q, norm_inf_q, norm_sign_q, norm_nan_q;
 
-  /// {exponent, product} moved left by the lesser of the leading zeros and exponent - 1.
+  /// {exponent field, product} with the product moved left by its leading zeros, or as far as
+  /// exponent 1.  For a positive exponent.
+  ///
+  /// A step of 2^i places is written without a branch, which a simulator would guess wrong.
   function automatic logic [SumExpBits+ProdBits-1:0] normalise(
       logic signed [SumExpBits-1:0] exponent, logic [ProdBits-1:0] product);
-    logic signed [SumExpBits-1:0] exp_left;
+    logic [SumExpBits-1:0] exp_left;
     logic [ProdBits-1:0] prod_left;
+    logic [NormSteps-1:0] step;
+    logic moves;
     exp_left  = exponent;
     prod_left = product;
     for (int i = NormSteps - 1; i >= 0; i--) begin
-      if ((prod_left >> (ProdBits - (1 << i))) == '0 && 32'(exp_left) > (1 << i)) begin
-        exp_left  = exp_left - SumExpBits'(1 << i);
-        prod_left = prod_left << (1 << i);
-      end
+      moves = (prod_left >> (ProdBits - (1 << i))) == '0 && 32'(exp_left) > (1 << i);
+      step = NormSteps'(moves) << i;
+      exp_left = exp_left - SumExpBits'(step);
+      prod_left = prod_left << step;
     end
-    return {exp_left, prod_left};
+    return {prod_left[ProdBits-1] ? exp_left : SumExpBits'(0), prod_left};
   endfunction
 
-  /// `product` moved right to exponent 1; what leaves is kept in the lowest bit.
-  function automatic logic [ProdBits-1:0] denormalise(logic signed [SumExpBits-1:0] exponent,
-                                                      logic [ProdBits-1:0] product);
+  /// {0, product} with the product moved right to exponent 1; what leaves is kept in its lowest bit.
+  /// For an exponent of 0 or less.
+  function automatic logic [SumExpBits+ProdBits-1:0] denormalise(
+      logic signed [SumExpBits-1:0] exponent, logic [ProdBits-1:0] product);
     logic [SumExpBits-1:0] distance;
     logic [ShiftBits-1:0] shift;
     logic lost;
     distance = SumExpBits'(1) - exponent;
     shift = 32'(distance) > ShiftMax ? ShiftBits'(ShiftMax) : ShiftBits'(distance);
     lost = |(product[ShiftMax-1:0] & ~({ShiftMax{1'b1}} << shift));
-    return (product >> shift) | ProdBits'(lost);
+    return {SumExpBits'(0), (product >> shift) | ProdBits'(lost)};
+  endfunction
+
+  /// `normalise` or `denormalise`, as the exponent asks.
+  function automatic logic [SumExpBits+ProdBits-1:0] shifted(logic signed [SumExpBits-1:0] exponent,
+                                                             logic [ProdBits-1:0] product);
+    if (exponent > 0) return normalise(exponent, product);
+    return denormalise(exponent, product);
   endfunction
 
   always_ff @(posedge clk_i) begin
     if (valid_q[0]) begin
-      automatic logic [SumExpBits+ProdBits-1:0] shifted =
-          prod_exp_q > 0 ? normalise(prod_exp_q, prod_q)
-                         : {SumExpBits'(1), denormalise(prod_exp_q, prod_q)};
-      automatic logic [SumExpBits-1:0] exponent =
-          shifted[ProdBits-1] ? shifted[ProdBits+:SumExpBits] : '0;
+      automatic logic [SumExpBits+ProdBits-1:0] normal = shifted(prod_exp_q, prod_q);
 
-      norm_mag_q <= {exponent[ExpBits-1:0], shifted[ProdBits-2-:FracBits]};
-      norm_guard_q <= shifted[ProdBits-2-FracBits];
-      norm_sticky_q <= |shifted[ProdBits-3-FracBits:0];
-      norm_inf_q <= prod_inf_q || 32'(exponent) >= ExpMax;
+      norm_mag_q <= {normal[ProdBits+:ExpBits], normal[ProdBits-2-:FracBits]};
+      norm_guard_q <= normal[ProdBits-2-FracBits];
+      norm_sticky_q <= |normal[ProdBits-3-FracBits:0];
+      norm_inf_q <= prod_inf_q || 32'(normal[ProdBits+:SumExpBits]) >= ExpMax;
       norm_sign_q <= prod_sign_q;
       norm_nan_q <= prod_nan_q;
     end
@@ -143,15 +152,14 @@ module ti_fp_mul #(
   // Step 3: round.  A carry out of the fraction is the right exponent, up to infinity.
   always_ff @(posedge clk_i) begin
     if (valid_q[1]) begin
+      automatic logic norm_up = norm_guard_q && (norm_sticky_q || norm_mag_q[0]);
+
       if (norm_nan_q) begin
         result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
       end else if (norm_inf_q) begin
         result_o <= {norm_sign_q, {ExpBits{1'b1}}, {FracBits{1'b0}}};
       end else begin
-        result_o <= {
-          norm_sign_q,
-          norm_mag_q + MagBits'(norm_guard_q && (norm_sticky_q || norm_mag_q[0]))
-        };
+        result_o <= {norm_sign_q, norm_mag_q + MagBits'(norm_up)};
       end
     end
   end

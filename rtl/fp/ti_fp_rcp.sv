@@ -60,9 +60,9 @@ module ti_fp_rcp #(
 
   typedef struct packed {
     logic sign;
-    logic nan;
-    logic inf;   // the operand is zero
-    logic zero;  // the operand is infinite
+    logic to_nan;
+    logic to_inf;  // the operand is zero
+    logic to_zero;  // the operand is infinite
     logic signed [WideExpBits-1:0] exponent;  // of the result when 1/m < 1
   } side_t;
 
@@ -82,19 +82,21 @@ module ti_fp_rcp #(
   logic [QuotBits-1:0] quotient_q[DigitLatency+1];
   side_t side_q[DigitLatency+1];
 
-  /// {leading zeros, significand without them}; anything for zero.
-  function automatic logic [WideExpBits+SigBits-1:0] normalise(logic [SigBits-1:0] significand);
-    logic [WideExpBits-1:0] zeros;
+  /// {exponent field of 1/a when 1/m < 1, significand m without leading zeros}; anything for zero.
+  function automatic logic [WideExpBits+SigBits-1:0] normalise(logic [ExpBits-1:0] exp_a,
+                                                               logic [FracBits-1:0] frac_a);
+    logic [WideExpBits-1:0] exp_rcp;
     logic [SigBits-1:0] sig_left;
-    zeros = '0;
-    sig_left = significand;
+    // Exponent 0 has the scale of exponent 1.
+    exp_rcp  = WideExpBits'(2 * Bias - 1) - WideExpBits'(exp_a == '0 ? ExpBits'(1) : exp_a);
+    sig_left = {exp_a != '0, frac_a};
     for (int i = NormSteps - 1; i >= 0; i--) begin
       if ((sig_left >> (SigBits - (1 << i))) == '0) begin
-        zeros = zeros + WideExpBits'(1 << i);
+        exp_rcp  = exp_rcp + WideExpBits'(1 << i);
         sig_left = sig_left << (1 << i);
       end
     end
-    return {zeros, sig_left};
+    return {exp_rcp, sig_left};
   endfunction
 
   // Step 1: unpack and normalise; the integer bit of the quotient is 1 only for a power of two.
@@ -102,7 +104,7 @@ module ti_fp_rcp #(
     if (valid_i) begin
       automatic logic [ExpBits-1:0] exp_a = a_i[FracBits+:ExpBits];
       automatic logic [FracBits-1:0] frac_a = a_i[FracBits-1:0];
-      automatic logic [WideExpBits+SigBits-1:0] normal = normalise({exp_a != '0, frac_a});
+      automatic logic [WideExpBits+SigBits-1:0] normal = normalise(exp_a, frac_a);
       automatic logic one = normal[FracBits-1:0] == '0;
 
       divisor_q[0] <= normal[SigBits-1:0];
@@ -110,11 +112,10 @@ module ti_fp_rcp #(
       quotient_q[0] <= QuotBits'(one);
       side_q[0] <= '{
           sign: a_i[Width-1],
-          nan: (&exp_a) && frac_a != '0,
-          inf: a_i[MagBits-1:0] == '0,
-          zero: (&exp_a) && frac_a == '0,
-          exponent: WideExpBits'(2 * Bias - 1) - WideExpBits'(exp_a) - WideExpBits'(exp_a == '0)
-              + normal[SigBits+:WideExpBits]
+          to_nan: (&exp_a) && frac_a != '0,
+          to_inf: a_i[MagBits-1:0] == '0,
+          to_zero: (&exp_a) && frac_a == '0,
+          exponent: normal[SigBits+:WideExpBits]
       };
     end
   end
@@ -141,9 +142,7 @@ module ti_fp_rcp #(
   for (genvar i = 0; i < DigitLatency; i++) begin : gen_digit
     always_ff @(posedge clk_i) begin
       if (valid_q[i]) begin
-        {quotient_q[i+1], remainder_q[i+1]} <= divide(
-            quotient_q[i], remainder_q[i], divisor_q[i]
-        );
+        {quotient_q[i+1], remainder_q[i+1]} <= divide(quotient_q[i], remainder_q[i], divisor_q[i]);
         divisor_q[i+1] <= divisor_q[i];
         side_q[i+1] <= side_q[i];
       end
@@ -163,14 +162,12 @@ module ti_fp_rcp #(
     shifted  = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
     if (exponent == 0) shifted = shifted >> 1;
     if (exponent < 0) shifted = shifted >> 2;
-    mag = {
-      shifted[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), shifted[QuotBits-:FracBits]
-    };
+    mag = {shifted[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), shifted[QuotBits-:FracBits]};
     guard = shifted[QuotBits-FracBits];
     sticky = (|shifted[QuotBits-FracBits-1:0]) || remainder != '0;
-    if (side.nan) return {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
-    if (side.zero) return {side.sign, {MagBits{1'b0}}};
-    if (side.inf || 32'(exponent) >= ExpMax) begin
+    if (side.to_nan) return {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
+    if (side.to_zero) return {side.sign, {MagBits{1'b0}}};
+    if (side.to_inf || 32'(exponent) >= ExpMax) begin
       return {side.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
     end
     return {side.sign, mag + MagBits'(guard && (sticky || mag[0]))};
@@ -178,9 +175,7 @@ module ti_fp_rcp #(
 
   always_ff @(posedge clk_i) begin
     if (valid_q[DigitLatency]) begin
-      result_o <= pack(
-          side_q[DigitLatency], quotient_q[DigitLatency], remainder_q[DigitLatency]
-      );
+      result_o <= pack(side_q[DigitLatency], quotient_q[DigitLatency], remainder_q[DigitLatency]);
     end
   end
 

@@ -40,7 +40,7 @@ module ti_fp_top #(
   assign rcp_latency_o = 8'(ti_fp_pkg::rcp_latency(FracBits));
 
   ti_fp_add #(
-    .ExpBits(ExpBits),
+    .ExpBits (ExpBits),
     .FracBits(FracBits)
   ) u_add (
     .clk_i,
@@ -54,7 +54,7 @@ module ti_fp_top #(
   );
 
   ti_fp_add #(
-    .ExpBits(ExpBits),
+    .ExpBits (ExpBits),
     .FracBits(FracBits)
   ) u_sub (
     .clk_i,
@@ -68,7 +68,7 @@ module ti_fp_top #(
   );
 
   ti_fp_mul #(
-    .ExpBits(ExpBits),
+    .ExpBits (ExpBits),
     .FracBits(FracBits)
   ) u_mul (
     .clk_i,
@@ -76,24 +76,24 @@ module ti_fp_top #(
     .valid_i,
     .a_i,
     .b_i,
-    .valid_o(mul_valid_o),
+    .valid_o (mul_valid_o),
     .result_o(mul_result_o)
   );
 
   ti_fp_rcp #(
-    .ExpBits(ExpBits),
+    .ExpBits (ExpBits),
     .FracBits(FracBits)
   ) u_rcp (
     .clk_i,
     .rst_ni,
     .valid_i,
     .a_i,
-    .valid_o(rcp_valid_o),
+    .valid_o (rcp_valid_o),
     .result_o(rcp_result_o)
   );
 
   ti_fp_cmp #(
-    .ExpBits(ExpBits),
+    .ExpBits (ExpBits),
     .FracBits(FracBits)
   ) u_cmp (
     .a_i,

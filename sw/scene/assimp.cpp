@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -192,10 +191,6 @@ class Converter {
     if (ai_.mNumCameras == 0) return;
     const aiCamera& from = *ai_.mCameras[0];
     if (ai_.mNumCameras > 1) warn("the first of several cameras is used");
-    if (!(from.mHorizontalFOV > 0.0F) || from.mOrthographicWidth > 0.0F) {
-      warn("the camera is not a perspective one; it is left out");
-      return;
-    }
     const aiMatrix4x4 world = world_of(ai_, from.mName);
     const aiMatrix3x3 turn(world);
     Camera& camera = out_.scene.camera;
@@ -205,10 +200,6 @@ class Converter {
     camera.eye = to_vec3(world * aiVector3D());
     camera.target = camera.eye + to_vec3(turn * aiVector3D(0, 0, -1));
     camera.up = to_vec3(turn * aiVector3D(0, 1, 0));
-    // The full horizontal angle of Assimp, back to the vertical one of the file.
-    const double aspect = from.mAspect > 0.0F ? from.mAspect : 1.0;
-    const double half = std::atan(std::tan(0.5 * from.mHorizontalFOV) / aspect);
-    camera.fov_y_deg = static_cast<float>(half * 360.0 / 3.14159265358979323846);
     out_.has_camera = true;
   }
 

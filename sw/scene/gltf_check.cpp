@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <vector>
 
 #include "common/error.hpp"
@@ -20,6 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr double kPi = 3.14159265358979323846;
 constexpr int kTriangles = 4;  // the mode of a primitive
 constexpr std::size_t kGlbHeader = 12;
 constexpr std::size_t kChunkHeader = 8;
@@ -114,6 +116,10 @@ class Checker {
     for (const Json& material : materials) {
       summary.emissive_strength.push_back(material.value(strength, 1.0F));
     }
+    const Json::json_pointer yfov("/cameras/0/perspective/yfov");
+    if (json_.contains(yfov)) {
+      summary.fov_y_deg = static_cast<float>(json_[yfov].get<double>() * 180.0 / kPi);
+    }
     return summary;
   }
 
@@ -166,26 +172,17 @@ class Checker {
     if (found != buffers_.end()) return found->second;
     const auto uri = entry["uri"].get<std::string>();
     const auto comma = uri.find(',');
-    std::string bytes = uri.starts_with("data:") && comma != std::string::npos
-                            ? decode_base64(std::string_view(uri).substr(comma + 1))
-                            : read_file(folder_ / unescape(uri));
-    return buffers_[number] = std::move(bytes);
-  }
-
-  /// %20 and its like back to bytes (RFC 3986, section 2.1).
-  static std::string unescape(std::string_view uri) {
-    const auto hex = [](char c) {
-      const auto at = std::string_view("0123456789abcdef").find(static_cast<char>(c | 0x20));
-      return c == '\0' || at == std::string_view::npos ? -1 : static_cast<int>(at);
-    };
-    std::string path;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-      const bool escape =
-          uri[i] == '%' && i + 2 < uri.size() && hex(uri[i + 1]) >= 0 && hex(uri[i + 2]) >= 0;
-      path.push_back(escape ? static_cast<char>(hex(uri[i + 1]) * 16 + hex(uri[i + 2])) : uri[i]);
-      if (escape) i += 2;
+    if (uri.starts_with("data:") && comma != std::string::npos) {
+      return buffers_[number] = decode_base64(std::string_view(uri).substr(comma + 1));
     }
-    return path;
+    std::error_code ec;
+    const std::filesystem::path path = folder_ / uri;
+    if (!std::filesystem::is_regular_file(path, ec)) {
+      throw Error(
+          fmt::format("{}: its buffer `{}` is missing; put a file of that very name beside it",
+                      file_, uri.substr(0, 80)));
+    }
+    return buffers_[number] = read_file(path);
   }
 
   std::filesystem::path folder_;

@@ -69,8 +69,9 @@ struct ObjSummary {
 struct GltfSummary {
   bool has_triangles = false;
   bool has_materials = false;
-  std::vector<float>
-      emissive_strength;  ///< one a material: KHR_materials_emissive_strength, 1 without
+  std::optional<float> fov_y_deg;  ///< of the first camera, when it is a perspective one
+  /// Of each material: KHR_materials_emissive_strength, 1 without.
+  std::vector<float> emissive_strength;
 };
 /// Throws when a .glb is cut or an index of a triangle is out of range.
 [[nodiscard]] GltfSummary check_gltf(const std::filesystem::path& path);
@@ -81,7 +82,7 @@ struct GltfSummary {
 /// Adds what `json` (the file beside the scene) has and the scene has not.
 void apply_sidecar(Import& import, const std::filesystem::path& json);
 
-/// Fills in a camera that sees the whole mesh.
+/// A camera that sees the whole mesh.
 [[nodiscard]] Camera default_camera(const Mesh& mesh);
 
 /// Point lights in place of emissive triangles, one a material.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "scene/geometry.hpp"
 #include "scene/import.hpp"
@@ -97,7 +99,8 @@ Camera default_camera(const Mesh& mesh) {
   const double distance = 1.05 * radius / std::sin(camera.fov_y_deg * kHalfRadian);
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.5, 0.4, 1.0));
   camera.target = glm::vec3(bounds->centre());
-  camera.eye = glm::vec3(bounds->centre() + distance * direction);
+  constexpr double kMax = std::numeric_limits<float>::max();
+  camera.eye = glm::vec3(glm::clamp(bounds->centre() + distance * direction, -kMax, kMax));
   return camera;
 }
 

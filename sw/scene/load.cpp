@@ -89,6 +89,13 @@ Import import_gltf(const fs::path& path) {
   if (!summary.has_triangles) return {};
   Import import = import_assimp(path);
   import.has_materials = summary.has_materials;
+  if (import.has_camera && summary.fov_y_deg) {
+    import.scene.camera.fov_y_deg = *summary.fov_y_deg;
+  } else if (import.has_camera) {
+    import.has_camera = false;
+    import.scene.warnings.push_back(path.string() +
+                                    ": the camera is not a perspective one; it is left out");
+  }
   auto& materials = import.scene.materials;
   for (std::size_t i = 0; i < std::min(materials.size(), summary.emissive_strength.size()); ++i) {
     materials[i].emission *= summary.emissive_strength[i];

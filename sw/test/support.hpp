@@ -64,7 +64,8 @@ inline std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// `action` must throw `Error` with one line that has all of `words` and a cure after the last comma or semicolon.
+/// `action` must throw `Error` with one line that has all of `words` and a cure after the last
+/// comma or semicolon.
 inline void check_error(const std::function<void()>& action,
                         const std::vector<std::string>& words) {
   std::string message;

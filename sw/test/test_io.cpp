@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays survive a round trip bit for bit, every malformed one is refused by name, and pictures and configurations are whole.
+// Arrays survive a round trip bit for bit, every malformed one is refused by name, and pictures and
+// configurations are whole.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -38,8 +39,7 @@ TEST_CASE("rays survive a round trip bit for bit") {
   const float inf = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Ray> rays{
-      {.o = {1.0F, -0.0F, 1e-42F}, .tmin = 0.5F, .d = {nan, inf, -inf}, .tmax = 3e38F},
-      {}};
+      {.o = {1.0F, -0.0F, 1e-42F}, .tmin = 0.5F, .d = {nan, inf, -inf}, .tmax = 3e38F}, {}};
   save_rays(dir / "a/b/rays.npy", rays);
   const auto back = load_rays(dir / "a/b/rays.npy");
   REQUIRE(back.size() == 2);

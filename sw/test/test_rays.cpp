@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays cover the picture in Morton order, leave surfaces on the right side, and are the same for the same seed.
+// Rays cover the picture in Morton order, leave surfaces on the right side, and are the same for
+// the same seed.
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -135,8 +136,7 @@ TEST_CASE("random numbers are these on every machine and with every compiler") {
   CHECK(a.uniform() == 0x1.b3d8ebf30869p-2);
   Random b(7, 123456789012);
   CHECK(b.disc() == glm::dvec2(-0x1.aaa68fa6d806cp-2, 0x1.bf6fe87a7f462p-1));
-  CHECK(b.ball() ==
-        glm::dvec3(0x1.398429a1d5e9p-4, -0x1.87aaecbef63f8p-3, -0x1.dc13b152c82ep-5));
+  CHECK(b.ball() == glm::dvec3(0x1.398429a1d5e9p-4, -0x1.87aaecbef63f8p-3, -0x1.dc13b152c82ep-5));
   CHECK(b.cosine({0, 0, -1}) ==
         glm::dvec3(-0x1.2615fd0aa24dp-2, 0x1.0e6df7a2f83b6p-1, -0x1.99222d667295cp-1));
 }
