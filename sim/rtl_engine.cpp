@@ -102,7 +102,10 @@ class RtlEngine final : public Engine {
 
     for (std::uint8_t count : answers) result.lost += count == 0 ? 1 : 0;
     read_counters(core, cycle, memory.bytes(), progress.seconds(), result);
-    result.lock_step.work_differs = options_.lock_step && options_.error_every == 0 && !(result.work == model_work);
+    if (options_.lock_step && options_.error_every == 0 && !(result.work == model_work)) {
+      result.lock_step.work_differs = true;
+      result.lock_step.examples.push_back(fmt::format("RTL {}; model {}", text_of(result.work), text_of(model_work)));
+    }
     core.final();
     return result;
   }
@@ -188,6 +191,11 @@ class RtlEngine final : public Engine {
       ++result.lock_step.mismatches;
       if (result.lock_step.examples.size() < 4) result.lock_step.examples.push_back(difference(id, hit, expected));
     }
+  }
+
+  static std::string text_of(const Work& work) {
+    return fmt::format("steps {} leaves {} ({} full) restarts {} tests {} / {} / {}", work.steps, work.leaves,
+                       work.full_leaves, work.restarts, work.a_tests, work.b_tests, work.c_tests);
   }
 
   static std::string difference(std::uint32_t id, const HitBits& got, const HitBits& expected) {

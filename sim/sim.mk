@@ -12,7 +12,7 @@ VERILATOR_FLAGS := --cc --top-module ti_core --prefix Vti_core -O3 \
   --x-assign fast --x-initial fast $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
 HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
   -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
-verilator_root = $(shell verilator --getenv VERILATOR_ROOT)
+verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_core.mk)
 LIBRARIES = $(if $(wildcard /usr/include/embree4),-lembree4,-lembree3) \
   -lassimp -lfmt -lzstd -lz -lgmpxx -lgmp -pthread
 

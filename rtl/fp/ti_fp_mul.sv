@@ -132,8 +132,10 @@ module ti_fp_mul #(
   /// `normalise` or `denormalise`, as the exponent asks.
   function automatic logic [SumExpBits+ProdBits-1:0] shifted(logic signed [SumExpBits-1:0] exponent,
                                                              logic [ProdBits-1:0] product);
-    if (exponent > 0) return normalise(exponent, product);
-    return denormalise(exponent, product);
+    logic [SumExpBits+ProdBits-1:0] result;
+    if (exponent > 0) result = normalise(exponent, product);
+    else result = denormalise(exponent, product);
+    return result;
   endfunction
 
   always_ff @(posedge clk_i) begin

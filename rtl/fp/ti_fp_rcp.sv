@@ -157,6 +157,7 @@ module ti_fp_rcp #(
     logic signed [WideExpBits-1:0] exponent;
     logic [QuotBits+1:0] shifted;
     logic [MagBits-1:0] mag;
+    logic [Width-1:0] result;
     logic guard, sticky;
     exponent = side.exponent + WideExpBits'(quotient[QuotBits-1]);
     shifted  = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
@@ -165,12 +166,13 @@ module ti_fp_rcp #(
     mag = {shifted[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), shifted[QuotBits-:FracBits]};
     guard = shifted[QuotBits-FracBits];
     sticky = (|shifted[QuotBits-FracBits-1:0]) || remainder != '0;
-    if (side.to_nan) return {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
-    if (side.to_zero) return {side.sign, {MagBits{1'b0}}};
+    result = {side.sign, mag + MagBits'(guard && (sticky || mag[0]))};
     if (side.to_inf || 32'(exponent) >= ExpMax) begin
-      return {side.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+      result = {side.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
     end
-    return {side.sign, mag + MagBits'(guard && (sticky || mag[0]))};
+    if (side.to_zero) result = {side.sign, {MagBits{1'b0}}};
+    if (side.to_nan) result = {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
+    return result;
   endfunction
 
   always_ff @(posedge clk_i) begin

@@ -133,7 +133,7 @@ module ti_trv #(
   );
 
   // ---- Requests: steps, rays that go on after a leaf, and new rays take turns.
-  logic step_push, resume, req_ready, rsp_valid, rsp_error;
+  logic step_push, resume, resume_restart, req_ready, rsp_valid, rsp_error;
   logic [2:0] want_valid, want_take;
   want_t [2:0] want;
   want_t step_want, resume_want;
@@ -503,6 +503,7 @@ module ti_trv #(
     .park_slot_i   (end_slot),
     .park_count_i  (end_node.link[15:0]),
     .park_go_i     (go),
+    .park_restart_i(restart),
     .park_next_i   (next_node),
     .park_exit_i   (state.interval.tmax),
     .park_steps_i  (state_next.steps),
@@ -517,6 +518,7 @@ module ti_trv #(
     .resume_o      (resume),
     .resume_slot_o (resume_want.slot),
     .resume_node_o (resume_want.node),
+    .resume_restart_o(resume_restart),
     .tbest_read_i  (late_valid_q),
     .tbest_slot_i  (late_slot_q),
     .tbest_o       (tbest),
@@ -550,8 +552,10 @@ module ti_trv #(
         counters_o.steps <= counters_o.steps + 1'b1;
         if (end_node.axis == 2'd3) counters_o.leaves <= counters_o.leaves + 1'b1;
         if (leaf) counters_o.full_leaves <= counters_o.full_leaves + 1'b1;
-        if (restart) counters_o.restarts <= counters_o.restarts + 1'b1;
       end
+      // Counted when the ray goes, which a hit in the leaf may keep it from.
+      counters_o.restarts <= counters_o.restarts + ti_pkg::counter_t'(step_push && restart) +
+                             ti_pkg::counter_t'(resume && resume_restart);
       if (free) counters_o.rays <= counters_o.rays + 1'b1;
     end
   end

@@ -45,6 +45,7 @@ module ti_trv_return #(
   output logic                resume_o,
   output ti_pkg::trv_slot_t   resume_slot_o,
   output ti_pkg::node_index_t resume_node_o,
+  output logic                resume_restart_o,
 
   // The best t of a slot, for the step pipeline: read one cycle ahead.
   input  logic              tbest_read_i,
@@ -72,6 +73,7 @@ module ti_trv_return #(
   typedef struct packed {
     ti_pkg::tri_count_t  count;
     logic                go;
+    logic                restart;
     ti_pkg::node_index_t next;
     fp_t                 exit;
     ti_pkg::steps_t      steps;
@@ -137,7 +139,7 @@ module ti_trv_return #(
     .read_data_o (park),
     .write_en_i  (park_i),
     .write_addr_i(park_slot_i),
-    .write_data_i('{count: park_count_i, go: park_go_i, next: park_next_i, exit: park_exit_i,
+    .write_data_i('{count: park_count_i, go: park_go_i, restart: park_restart_i, next: park_next_i, exit: park_exit_i,
                     steps: park_steps_i})
   );
 
@@ -297,6 +299,7 @@ module ti_trv_return #(
 
   assign resume_slot_o = slot_q;
   assign resume_node_o = park.next;
+  assign resume_restart_o = park.restart;
   assign free_slot_o   = slot_q;
 
   // A ray that ends badly reports no hit; an any-hit ray reports only that it hit.
