@@ -80,15 +80,7 @@ testfloat: need-FILE need-OP build/setup.stamp ## Lines of Berkeley TestFloat on
 
 ##@ Check
 test: build/setup.stamp sw ## Every check that CI runs (TEST=part_of_a_name for a few)
-ifeq ($(TEST),)
-	@scripts/lint.sh
-	@scripts/logged.sh build/sw/ti_tests.log "test: C++" build/sw/ti_tests
-	@scripts/logged.sh build/sw/fp_volume.log "test: C++ FP against MPFR" build/sw/fp_volume --pairs 200000
-else
-	@scripts/logged.sh build/sw/ti_tests.log "test: C++, *$(TEST)*" build/sw/ti_tests -tc='*$(TEST)*'
-endif
-	@echo "test: RTL"
-	@unset TEST; pytest -n $(jobs) --dist loadfile tb/unit $(wildcard tb/system) $(if $(TEST),-k '$(TEST)')
+	@scripts/test.sh '$(TEST)'
 
 sim: need-UNIT build/setup.stamp model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
 	@pytest -s tb/unit/test_$(UNIT).py

@@ -5,7 +5,7 @@
 set -eu
 
 if [ $# -ne 3 ]; then
-  echo "usage: build_fp_rtl.sh EXP_BITS FRAC_BITS OUTDIR" >&2
+  echo "build_fp_rtl.sh needs a format of two whole numbers, E and M, and a folder: build_fp_rtl.sh 8 23 OUTDIR." >&2
   exit 2
 fi
 for bits in "$1" "$2"; do

@@ -28,10 +28,9 @@ build/sw/build.ninja: sw/CMakeLists.txt build/setup.stamp
 	  -DCMAKE_CXX_COMPILER=$(cxx) -DTI_PYTHON=$(CURDIR)/build/venv/bin/python
 	@touch $@
 
-# ninja_build TARGETS: builds them, one make at a time, with a line only when there is something to do.
+# ninja_build TARGETS: builds them, one make at a time.
 ninja_build = exec 9>build/sw/lock && flock 9 && \
-  { ninja -C build/sw -n $(1) | grep -q 'no work to do' || \
-    scripts/logged.sh build/sw/build.log "build: C++" ninja -C build/sw -j $(jobs) $(1); }
+  scripts/logged.sh build/sw/build.log "build: C++ ($(1))" ninja -C build/sw -j $(jobs) $(1)
 
 sw: build/sw/build.ninja
 	@$(call ninja_build,all)

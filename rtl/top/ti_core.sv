@@ -128,7 +128,6 @@ module ti_core
 
   for (genvar t = 0; t < NumTrv; t++) begin : gen_trv
     ti_trv #(
-      .Index        (t),
       .NumSlots     (ti_config_pkg::TrvSlots),
       .StackDepth   (ti_config_pkg::StackDepth),
       .WatchdogSteps(ti_config_pkg::WatchdogSteps),
@@ -138,6 +137,7 @@ module ti_core
     ) u_trv (
       .clk_i,
       .rst_ni,
+      .index_i         (ti_pkg::trv_index_t'(t)),
       .node_base_i     (scene_i.node_base),
       .root_i          (scene_i.root),
       .dispatch_valid_i(dispatch_valid[t]),

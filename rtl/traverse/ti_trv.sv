@@ -9,8 +9,6 @@
 /// `StepLatency` cycles; one step a cycle when enough rays are at home.  The pipeline never stalls: every queue
 /// has a place for each slot.  Short stack: the newest `StackDepth` entries of each slot in one memory.
 module ti_trv #(
-  /// This unit's number, for the tokens.
-  parameter int unsigned Index = 0,
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
   parameter int unsigned WatchdogSteps = 65535,
@@ -25,6 +23,8 @@ module ti_trv #(
 ) (
   input logic clk_i,
   input logic rst_ni,
+  // Constants.  The number is a port and not a parameter so that all units are one module.
+  input ti_pkg::trv_index_t  index_i,
   input ti_pkg::addr_t       node_base_i,
   input ti_pkg::node_index_t root_i,
 
@@ -465,7 +465,7 @@ module ti_trv #(
 
   assign leaf_valid_o = leaf_valid_q;
   assign leaf_data_o  = '{
-    home: '{trv: ti_pkg::trv_index_t'(Index), slot: leaf_q.slot},
+    home: '{trv: index_i, slot: leaf_q.slot},
     first: leaf_q.first,
     count: leaf_q.count,
     o: operands.o,

@@ -26,6 +26,7 @@ module ti_trv_return #(
   input ti_pkg::trv_slot_t   park_slot_i,
   input ti_pkg::tri_count_t  park_count_i,
   input logic                park_go_i,    // there is more to visit after it
+  input logic                park_restart_i,  // that is the root again
   input ti_pkg::node_index_t park_next_i,
   input ti_pkg::fp_t         park_exit_i,
   input ti_pkg::steps_t      park_steps_i,

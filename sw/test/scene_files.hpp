@@ -71,12 +71,13 @@ inline std::string base64(const std::string& data) {
   return text;
 }
 
-/// A glTF with a square, seen through two nodes, and a camera on a third. `uri` is the member of
-/// the buffer that says where its data are.
+/// A glTF with a square, seen through two nodes, one under another, and a camera. `uri` is the
+/// member of the buffer that says where its data are.
 inline std::string gltf(const std::string& uri) {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],
-"nodes":[{"mesh":0,"translation":[0,0,5],"scale":[2,2,2]},{"mesh":0},
- {"camera":0,"translation":[1,2,3],"rotation":[0,1,0,0]}],
+"nodes":[{"children":[3],"translation":[0,0,5]},{"mesh":0},
+ {"camera":0,"translation":[1,2,3],"rotation":[0,1,0,0]},
+ {"mesh":0,"scale":[2,2,2]}],
 "cameras":[{"type":"perspective","perspective":{"yfov":0.5,"aspectRatio":2.0,"znear":0.1}}],
 "materials":[{"name":"m","pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]}}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],

@@ -41,13 +41,14 @@ std::uint64_t morton(std::uint32_t x, std::uint32_t y) {
   return code;
 }
 
-/// Two triangles in the plane z = 0, one of each winding, and one with no area.
+/// Two triangles in the plane z = 0 that face +z, and one with no area.
 Mesh square() {
   return {.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
-          .triangles = {{0, 1, 2}, {0, 3, 2}, {0, 0, 1}},
+          .triangles = {{0, 1, 2}, {0, 2, 3}, {0, 0, 1}},
           .material = {}};
 }
 
+/// Onto the first triangle, onto the back of the second, and past both.
 std::vector<Ray> rays_down() {
   return {{.o = {0.6F, 0.2F, 5}, .d = {0, 0, -1}},
           {.o = {0.2F, 0.6F, -5}, .d = {0, 0, 2}},
@@ -56,7 +57,7 @@ std::vector<Ray> rays_down() {
 
 std::vector<Hit> hits_down() {
   return {{.t = 5.0F, .u = 0.4F, .v = 0.2F, .prim = 0},
-          {.t = 2.5F, .u = 0.4F, .v = 0.2F, .prim = 1},
+          {.t = 2.5F, .u = 0.2F, .v = 0.4F, .prim = 1},
           {}};
 }
 

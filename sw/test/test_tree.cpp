@@ -30,7 +30,11 @@ Image build(const Mesh& mesh, BuildStats& stats, Format format = {}, Layout layo
 
 /// Every leaf has exactly the triangles that it must: all that meet the cell, none farther away
 /// than the dilation allows.
-void check_membership(const Mesh& mesh, const Image& image, double slack) {
+void check_membership(const Mesh& mesh, const Image& image) {
+  const Box box = scene_box(image);
+  const double diagonal =
+      std::hypot(box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]);
+  const double slack = 3.0 * BuildOptions{}.dilation * diagonal;
   for (const Leaf& leaf : leaves(image)) {
     const Box wide = leaf.cell.grown(slack);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -87,7 +91,7 @@ TEST_CASE("tree: one triangle flat on an axis stands inside a box of some thickn
     CHECK(number(image, image.planes()[0].nu) == 0.0);
     CHECK(number(image, image.planes()[0].nv) == 0.0);
     check_no_flat_cell(image);
-    check_membership(mesh, image, 1e-5);
+    check_membership(mesh, image);
   }
 }
 
@@ -129,7 +133,7 @@ TEST_CASE("tree: walls in one plane, repeated and side by side, end the build") 
       const Image image = build(mesh, stats);
       CHECK(image.planes().size() == stats.triangles - stats.dropped_zero_area);
       check_no_flat_cell(image);
-      if (stats.dropped_zero_area == 0) check_membership(mesh, image, 1e-5);
+      if (stats.dropped_zero_area == 0) check_membership(mesh, image);
     }
   }
 }
@@ -242,7 +246,7 @@ TEST_CASE("tree: every leaf of a soup holds what meets its cell") {
     const Image image = build(mesh, stats);
     CHECK(stats.leaves > 20);
     check_no_flat_cell(image);
-    check_membership(mesh, image, 1e-5);
+    check_membership(mesh, image);
   }
 }
 

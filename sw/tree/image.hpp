@@ -14,7 +14,8 @@ namespace ti {
 
 /// First 128 bytes of a memory image, little endian; `docs/memory-image.md` has the byte table.
 ///
-/// Sections start at multiples of 128 bytes. Offsets and indices count from the first byte of the image.
+/// Sections start at multiples of 128 bytes. Offsets and indices count from the first byte of the
+/// image.
 struct ImageHeader {
   std::array<char, 4> magic{'T', 'I', 'I', 'M'};
   std::uint32_t version = 1;
@@ -29,17 +30,18 @@ struct ImageHeader {
   std::uint32_t node_count = 0;
   std::uint32_t list_offset = 0;
   std::uint32_t list_count = 0;
-  std::uint32_t plane_offset = 0;  ///< plane parts, 32 bytes each
-  std::uint32_t bary_offset = 0;   ///< barycentric parts, 16 bytes each
-  std::uint32_t triangle_count = 0;  ///< records in the image
+  std::uint32_t plane_offset = 0;         ///< plane parts, 32 bytes each
+  std::uint32_t bary_offset = 0;          ///< barycentric parts, 16 bytes each
+  std::uint32_t triangle_count = 0;       ///< records in the image
   std::array<std::uint32_t, 3> box_lo{};  ///< scene box, padded outward, bits of the format
   std::array<std::uint32_t, 3> box_hi{};
   std::array<std::uint32_t, 13> reserved1{};
 };
 static_assert(sizeof(ImageHeader) == 128);
 
-/// kd-tree node, 8 bytes. Inner: `value` = split (bits of the format), `link` = other child << 3 | reorder flag << 2 | axis.
-/// Leaf: `value` = first entry in the list, `link` = count << 3 | 3. The adjacent child is the node after its parent.
+/// kd-tree node, 8 bytes. Inner: `value` = split (bits of the format), `link` = other child << 3 |
+/// reorder flag << 2 | axis. Leaf: `value` = first entry in the list, `link` = count << 3 | 3. The
+/// adjacent child is the node after its parent.
 struct ImageNode {
   std::uint32_t value;
   std::uint32_t link;
@@ -55,7 +57,8 @@ static_assert(sizeof(ImageNode) == 8);
 /// Largest triangle count of one leaf.
 constexpr std::uint32_t kMaxLeafCount = (1U << 16U) - 1U;
 
-/// Plane part of a triangle record, 32 bytes; what pass (a) of the test reads. All values are bits of the format.
+/// Plane part of a triangle record, 32 bytes; what pass (a) of the test reads. All values are bits
+/// of the format.
 struct ImagePlane {
   std::uint32_t nu, nv;      ///< n_u / n_w, n_v / n_w
   std::uint32_t pu, pv, pw;  ///< first vertex, axes in the order u, v, w
@@ -65,7 +68,8 @@ struct ImagePlane {
 };
 static_assert(sizeof(ImagePlane) == 32);
 
-/// Barycentric part, 16 bytes; what pass (b) reads: edge vectors from the first vertex, divided by n_w.
+/// Barycentric part, 16 bytes; what pass (b) reads: edge vectors from the first vertex, divided by
+/// n_w.
 struct ImageBary {
   std::uint32_t e0u, e0v;  ///< to the second vertex
   std::uint32_t e1u, e1v;  ///< to the third vertex

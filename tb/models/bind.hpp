@@ -8,4 +8,11 @@ namespace ti {
 /// Operators of `model/fp.hpp`: `fp_add(exp_bits, frac_bits, a, b)` and so on.
 void bind_fp(nanobind::module_& module);
 
+/// The units' arithmetic: `clip`, `split_distance`, `choose`, `ordered`, `pass_a`, `pass_b`,
+/// `pass_c`.
+void bind_units(nanobind::module_& module);
+
+/// The builder and the tracer: classes `Image` and `Tracer`.
+void bind_scene(nanobind::module_& module);
+
 }  // namespace ti

@@ -8,4 +8,6 @@
 NB_MODULE(ti_model, module) {
   module.doc() = "Bit-exact model of the engine; numbers are bit patterns in unsigned integers.";
   ti::bind_fp(module);
+  ti::bind_units(module);
+  ti::bind_scene(module);
 }

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/tuple.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "bind.hpp"
+#include "formats.hpp"
+#include "model/ist1.hpp"
+#include "model/ist2.hpp"
+#include "model/rd.hpp"
+#include "model/trv.hpp"
+
+namespace ti {
+namespace {
+
+namespace nb = nanobind;
+using Bits = std::uint32_t;
+using Bits3 = std::array<Bits, 3>;
+using Bits4 = std::tuple<Bits, Bits, Bits, Bits>;
+using Plane = std::array<Bits, 8>;  ///< words of `ImagePlane` in memory order
+using Bary = std::array<Bits, 4>;   ///< words of `ImageBary` in memory order
+
+template <class F>
+model::Vec<F> vec(const Bits3& bits) {
+  return {F::from_bits(bits[0]), F::from_bits(bits[1]), F::from_bits(bits[2])};
+}
+
+ImagePlane plane_of(const Plane& w) { return {w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7]}; }
+
+std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(int e, int m, const Bits3& lo, const Bits3& hi,
+                                                  const Bits3& o, const Bits3& d, Bits tmin,
+                                                  Bits tmax) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+    const model::FpRay<F> ray{vec<F>(o), vec<F>(d), F::from_bits(tmin), F::from_bits(tmax)};
+    const auto c = model::clip(model::Box<F>{vec<F>(lo), vec<F>(hi)}, ray);
+    const Bits3 inv{c.inv[0].bits(), c.inv[1].bits(), c.inv[2].bits()};
+    return std::tuple{c.miss, static_cast<int>(c.status), inv, c.tmin.bits(), c.tmax.bits()};
+  });
+}
+
+Bits split_distance(int e, int m, Bits value, Bits link, const Bits3& o, const Bits3& inv) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+    return model::split_distance(ImageNode{value, link}, vec<F>(o), vec<F>(inv)).bits();
+  });
+}
+
+int choose(int e, int m, Bits t, Bits tmin, Bits tmax) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+    return static_cast<int>(model::choose(F::from_bits(t), F::from_bits(tmin), F::from_bits(tmax)));
+  });
+}
+
+std::tuple<Bits, Bits> ordered(Bits link, Bits index, bool negative) {
+  const auto children = model::ordered(ImageNode{0, link}, index, negative);
+  return {children.near, children.far};
+}
+
+std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, const Bits3& d,
+                            Bits tbest) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
+    const auto a = model::pass_a(plane_of(plane), vec<F>(o), vec<F>(d), F::from_bits(tbest));
+    if (!a) return std::nullopt;
+    return Bits4{a->det.bits(), a->dett.bits(), a->audet.bits(), a->av.bits()};
+  });
+}
+
+std::optional<Bits4> pass_b(int e, int m, const Plane& plane, const Bary& bary, const Bits3& d,
+                            const Bits4& after_a) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
+    const auto [det, dett, audet, av] = after_a;
+    const model::AfterA<F> a{F::from_bits(det), F::from_bits(dett), F::from_bits(audet),
+                             F::from_bits(av)};
+    const ImageBary parts{bary[0], bary[1], bary[2], bary[3]};
+    const auto b = model::pass_b(plane_of(plane), parts, vec<F>(d), a);
+    if (!b) return std::nullopt;
+    return Bits4{b->det.bits(), b->dett.bits(), b->detu.bits(), b->detv.bits()};
+  });
+}
+
+std::optional<std::tuple<Bits, Bits, Bits>> pass_c(int e, int m, const Bits4& after_b) {
+  using Result = std::optional<std::tuple<Bits, Bits, Bits>>;
+  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+    const auto [det, dett, detu, detv] = after_b;
+    const auto c = model::pass_c(model::AfterB<F>{F::from_bits(det), F::from_bits(dett),
+                                                  F::from_bits(detu), F::from_bits(detv)});
+    if (!c) return std::nullopt;
+    return std::tuple{c->t.bits(), c->u.bits(), c->v.bits()};
+  });
+}
+
+}  // namespace
+
+void bind_units(nb::module_& module) {
+  module.def("clip", &clip_ray, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("box_lo"),
+             nb::arg("box_hi"), nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
+             "Set-up of a ray: (miss, status, inv, tmin, tmax).");
+  module.def("split_distance", &split_distance, nb::arg("exp_bits"), nb::arg("frac_bits"),
+             nb::arg("value"), nb::arg("link"), nb::arg("o"), nb::arg("inv"));
+  module.def("choose", &choose, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("t"),
+             nb::arg("tmin"), nb::arg("tmax"), "0: near only, 1: far only, 2: both.");
+  module.def("ordered", &ordered, nb::arg("link"), nb::arg("index"), nb::arg("negative"),
+             "(near, far) of the inner node at `index`.");
+  module.def("pass_a", &pass_a, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
+             nb::arg("o"), nb::arg("d"), nb::arg("tbest"),
+             "(det, dett, audet, av), or None when the test is over.");
+  module.def("pass_b", &pass_b, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
+             nb::arg("bary"), nb::arg("d"), nb::arg("after_a"),
+             "(det, dett, detu, detv), or None when the test is over.");
+  module.def("pass_c", &pass_c, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("after_b"),
+             "(t, u, v), or None when t is not finite.");
+}
+
+}  // namespace ti

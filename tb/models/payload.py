@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Packed structs of `ti_pkg` as Python dicts; the table of fields is `rtl/common/ti_pkg.sv` itself.
+
+A dict holds an integer for a field of bits, a tuple ([0] first) for a packed array, a dict for a
+struct.  Fields that `pack` is not given are 0.
+"""
+
+import json
+import re
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[2] / "rtl/common/ti_pkg.sv"
+TYPEDEF = re.compile(
+    r"typedef\s+(?:struct\s+packed\s*\{(?P<fields>.*?)\}|enum\s+logic\s*(?P<enum>\[.*?\])\s*\{.*?\}"
+    r"|(?P<base>\w+)\s*(?P<range>\[.*?\])?)\s*(?P<name>\w+)\s*;",
+    re.DOTALL,
+)
+CONSTANT = re.compile(r"localparam\s+(?:int unsigned|\w+)\s+(\w+)\s*=\s*(.*?);", re.DOTALL)
+FIELD = re.compile(r"^\s*([\w:]+)\s*(\[.*?\])?\s*(\w+)\s*$")
+
+
+def clog2(value):
+    return max(value - 1, 0).bit_length()
+
+
+class Payloads:
+    """The structs of `ti_pkg` for one configuration, a dict of the keys in `configs/`."""
+
+    def __init__(self, config):
+        text = re.sub(r"//[^\n]*", "", PACKAGE.read_text())
+        self._constants = {_camel(key): value for key, value in config.items()}
+        for name, expression in CONSTANT.findall(text):
+            if re.fullmatch(r"[\w\s:$()>?*+-]+", expression):
+                self._constants[name] = self._evaluate(expression)
+        self._types = {"logic": 1}
+        for match in TYPEDEF.finditer(text):
+            self._types[match["name"]] = self._type_of(match)
+
+    @property
+    def format(self):
+        """(exponent bits, fraction bits)."""
+        return self._constants["ExpBits"], self._constants["FracBits"]
+
+    def width(self, name):
+        return _width(self._types[name])
+
+    def pack(self, name, values=None, **fields):
+        """The bits of a struct, from a dict or keywords."""
+        return _pack(self._types[name], {**(values or {}), **fields}, name)
+
+    def pack_vec(self, vec):
+        return _pack(self._types["vec3_t"], vec, "vec3_t")
+
+    def unpack_vec(self, bits):
+        return _unpack(self._types["vec3_t"], bits)
+
+    def unpack(self, name, bits):
+        return _unpack(self._types[name], bits)
+
+    def _type_of(self, match):
+        if match["fields"] is None:
+            base = self._types[match["base"]] if match["base"] else 1
+            return self._array(base, match["enum"] or match["range"])
+        fields = {}
+        for line in match["fields"].split(";"):
+            if line.strip():
+                base, extent, name = FIELD.match(line).groups()
+                fields[name] = self._array(self._types[base], extent)
+        return fields
+
+    def _array(self, base, extent):
+        """A type is a width, a dict of fields (first is highest), or (count, type of an element)."""
+        if not extent:
+            return base
+        high, low = (self._evaluate(part) for part in extent.strip("[] ").split(":"))
+        count = high - low + 1
+        return count if base == 1 else (count, base)
+
+    def _evaluate(self, expression):
+        text = expression.replace("ti_config_pkg::", "").replace("$clog2", "clog2")
+        text = re.sub(r"(.+?)\?(.+?):(.+)", r"(\2) if (\1) else (\3)", text, flags=re.DOTALL)
+        return eval(text, {"clog2": clog2}, self._constants)  # text of the package only
+
+
+@cache
+def payloads():
+    """The structs of the configuration that this simulation was built for."""
+    return Payloads(configuration())
+
+
+@cache
+def configuration():
+    """The configuration that `bench.run` built: the simulation runs in a folder below the build."""
+    config = json.loads((Path.cwd().parent / "config/config.json").read_text())
+    config.pop("name")
+    return config
+
+
+def _camel(key):
+    return "".join(word.capitalize() for word in key.split("_"))
+
+
+def _width(kind):
+    if isinstance(kind, dict):
+        return sum(_width(field) for field in kind.values())
+    if isinstance(kind, tuple):
+        return kind[0] * _width(kind[1])
+    return kind
+
+
+def _pack(kind, value, name):
+    if isinstance(kind, dict):
+        value = value or {}
+        unknown = set(value) - set(kind)
+        assert not unknown, f"{name} has no field {', '.join(sorted(unknown))}"
+        bits = 0
+        for field, field_kind in kind.items():
+            bits = bits << _width(field_kind) | _pack(field_kind, value.get(field, 0), field)
+        return bits
+    if isinstance(kind, tuple):
+        count, element = kind
+        values = value or (0,) * count
+        assert len(values) == count, f"{name} has {count} elements, not {len(values)}"
+        return sum(_pack(element, v, name) << i * _width(element) for i, v in enumerate(values))
+    assert 0 <= value < 1 << kind, f"{name}: {value:#x} does not fit in {kind} bits"
+    return value
+
+
+def _unpack(kind, bits):
+    if isinstance(kind, dict):
+        fields = {}
+        for field, field_kind in reversed(kind.items()):
+            fields[field] = _unpack(field_kind, bits & ((1 << _width(field_kind)) - 1))
+            bits >>= _width(field_kind)
+        return dict(reversed(fields.items()))
+    if isinstance(kind, tuple):
+        count, element = kind
+        width = _width(element)
+        return tuple(_unpack(element, bits >> i * width & ((1 << width) - 1)) for i in range(count))
+    return bits
