@@ -52,10 +52,12 @@ run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 
 # Only the program with the RTL as an engine is built for a configuration.
 ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
-needs = check-engine $(call ti,$(ENGINE)) $(config)/config.json $(filter $(knot),$(scene))
+needs = check-engine $(config)/config.json $(call ti,$(ENGINE)) $(filter $(knot),$(scene))
 common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
+# Whole-engine tests trace on these.
+test_configs := tiny small
 cases = $(or $(FILE),scenes/hardcases.jsonl)
 
 include sim/sim.mk
@@ -69,23 +71,23 @@ trace: need-RAYS $(needs) ## Hits of your own rays (RAYS=file.npy SCENE= CONFIG=
 	@$(call ti,$(ENGINE)) trace --rays $(RAYS) --scene $(scene) $(common_args) \
 	  --out $(or $(OUT),build/trace/$(run_name))
 
-hardcases: check-engine $(foreach e,$(case_engines),$(call ti,$(e))) $(config)/config.json ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
+hardcases: check-engine $(config)/config.json $(foreach e,$(case_engines),$(call ti,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
 	@$(foreach e,$(case_engines),$(call ti,$(e)) hardcases --file $(cases) \
 	  --config $(config)/config.json --engine $(e) &&) true
 
-testfloat: need-FILE need-OP build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
+testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
 	@scripts/logged.sh build/fp/$(subst $(comma),-,$(FORMAT))/build.log "build: FP operators ($(FORMAT))" \
 	  env CXX=$(cxx) scripts/build_fp_rtl.sh $(subst $(comma), ,$(FORMAT)) build/fp/$(subst $(comma),-,$(FORMAT))
 	@build/fp/$(subst $(comma),-,$(FORMAT))/fp_rtl --testfloat $(FILE) --op $(OP)
 
 ##@ Check
-test: build/setup.stamp sw ## Every check that CI runs (TEST=part_of_a_name for a few)
-	@scripts/test.sh '$(TEST)'
+test: sw sanitized ## Every check that CI runs (TEST=part_of_a_name for a few)
+	@$(foreach c,$(test_configs),$(MAKE) engine CONFIG=$(c) SET= &&) scripts/test.sh '$(TEST)'
 
-sim: need-UNIT build/setup.stamp model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
+sim: check-unit model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
 	@pytest -s tb/unit/test_$(UNIT).py
 
-waves: need-UNIT build/setup.stamp model ## The same with an FST, opened in a viewer (UNIT= TEST=)
+waves: check-unit model ## The same with an FST, opened in a viewer (UNIT= TEST=)
 	@WAVES=1 pytest tb/unit/test_$(UNIT).py; status=$$?; scripts/show_waves.sh $(UNIT); exit $$status
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
@@ -115,6 +117,13 @@ check-engine:
 	@[[ " rtl model embree " == *" $(ENGINE) "* ]] || \
 	  { echo "ENGINE=$(ENGINE): no such engine; there are rtl, model and embree" >&2; exit 2; }
 
+check-unit: need-UNIT
+	@[[ -f tb/unit/test_$(UNIT).py ]] || { echo "UNIT=$(UNIT): there is no tb/unit/test_$(UNIT).py; there are" \
+	  $(sort $(patsubst tb/unit/test_%.py,%,$(wildcard tb/unit/test_*.py))) >&2; exit 2; }
+
+check-format:
+	@[[ "$(FORMAT)" =~ ^[0-9]+,[0-9]+$$ ]] || { echo "FORMAT=$(FORMAT): not E,M as in 8,23" >&2; exit 2; }
+
 # Also when this folder has moved, since Python environments hold its path.
 build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-packages.txt requirements.txt \
     $(if $(filter-out $(shell sed -n 2p build/setup.stamp 2>/dev/null),$(CURDIR)),FORCE)
@@ -125,4 +134,4 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE render trace hardcases testfloat test sim waves lint format setup clean help check-engine
+.PHONY: FORCE render trace hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format

@@ -13,7 +13,7 @@ check() {
   if output=$("$@" 2>&1) && [ -z "$output" ]; then
     echo "lint: $what"
   else
-    printf '%s\n' "$output" >&2
+    printf '%s\n' "$output" | head -n 60 >&2
     echo "lint: $what: NOT clean" >&2
     failed=1
   fi

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# show_waves.sh UNIT: names the newest FST of a unit, and opens it where a display and a viewer exist.
-fst=$(find "build/unit" -path "*/$1*/dump.fst" -printf '%T@ %p\n' 2>/dev/null | sort -n | tail -n 1 | cut -d' ' -f2-)
+# show_waves.sh UNIT: names the newest FST, and opens it where a display and a viewer exist.
+fst=$(find build/unit -name dump.fst -printf '%T@ %p\n' 2>/dev/null | sort -n | tail -n 1 | cut -d' ' -f2-)
 [ -n "$fst" ] || exit 0
 echo "waves: $fst"
 [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || exit 0

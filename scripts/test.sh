@@ -15,6 +15,7 @@ stage() {
 if [[ -z "$part" ]]; then
   scripts/lint.sh || failed+=(lint)
   stage "C++" build/sw/ti_tests.log build/sw/ti_tests
+  stage "C++ with sanitizers" build/sanitize/ti_tests.log build/sanitize/ti_tests
   stage "C++ FP against MPFR" build/sw/fp_volume.log build/sw/fp_volume --pairs 200000
 else
   stage "C++ *$part*" build/sw/ti_tests.log build/sw/ti_tests -tc="*$part*"

@@ -36,6 +36,11 @@ sw: build/sw/build.ninja
 	@$(call ninja_build,all)
 model: build/sw/build.ninja
 	@$(call ninja_build,ti_model)
+# GCC brings its own sanitizers; clang's would be one more package.
+sanitized: build/setup.stamp FORCE
+	@exec 9>build/sanitize.lock && flock 9 && scripts/logged.sh build/sanitize.log "build: C++ with sanitizers" \
+	  sh -c 'cmake -S sw -B build/sanitize -G Ninja -DCMAKE_CXX_COMPILER=g++ -DTI_SANITIZE=ON && \
+	    ninja -C build/sanitize -j $(jobs) ti_tests'
 build/sw/ti: build/sw/build.ninja FORCE
 	@$(call ninja_build,ti)
 build/sw/libti_sw.a: build/sw/build.ninja FORCE
@@ -63,4 +68,4 @@ $(rtl_build)/ti: $(harness) $(verilated)/stamp build/sw/libti_sw.a
 
 engine: $(rtl_build)/ti ## Build ti with the RTL of CONFIG=
 
-.PHONY: sw model engine
+.PHONY: sw model sanitized engine

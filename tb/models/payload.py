@@ -70,7 +70,7 @@ class Payloads:
         return fields
 
     def _array(self, base, extent):
-        """A type is a width, a dict of fields (first is highest), or (count, type of an element)."""
+        """A type: a width, a dict of fields (the highest first), or (count, type of an element)."""
         if not extent:
             return base
         high, low = (self._evaluate(part) for part in extent.strip("[] ").split(":"))

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ti_l1` finds what it was given, keeps it until it is the tree pseudo-LRU victim, spares pins."""
+
+import cocotb
+import pytest
+from agents.bench import run, start
+from cocotb.triggers import ReadOnly, RisingEdge
+from models.cache import Cache
+
+# CacheBytes, Ways, LineBytes: many sets and one, a single line, and every depth of the tree.
+SHAPES = [(256, 1, 64), (16, 1, 16), (256, 2, 32), (128, 4, 16), (128, 8, 16)]
+
+
+class L1:
+    """Plays the `ti_ra`: one look-up, use or fill at a time, each checked against the model."""
+
+    def __init__(self, dut):
+        self._dut = dut
+        self.ways = int(dut.Ways.value)
+        self._line_bytes = int(dut.LineBytes.value)
+        self.sets = int(dut.CacheBytes.value) // (self.ways * self._line_bytes)
+        self._cache = Cache(self.sets, self.ways)
+        self._data = {}
+
+    async def _step(self, **ports):
+        for name, value in ports.items():
+            getattr(self._dut, name).value = value
+        await RisingEdge(self._dut.clk_i)
+        for name in ports:
+            if name.endswith("_en_i") or name in ("touch_i", "alloc_i", "fill_i", "unpin_i"):
+                getattr(self._dut, name).value = 0
+
+    async def look_up(self, line, settle=0):
+        """Look `line` up; returns the way that holds it, or None.  `settle` extra cycles first."""
+        await self._step(lookup_en_i=1, lookup_line_i=line)
+        self._dut.line_i.value = line
+        for _ in range(settle):
+            await RisingEdge(self._dut.clk_i)
+        return await self.see(line)
+
+    async def see(self, line):
+        """Check hit, way and victim of the look-up that stands."""
+        await ReadOnly()
+        hit = self._dut.hit_o.value == 1
+        way = int(self._dut.hit_way_o.value) if hit else None
+        victim = self._dut.victim_valid_o.value == 1
+        victim_way = int(self._dut.victim_way_o.value) if victim else None
+        await RisingEdge(self._dut.clk_i)
+        assert way == self._cache.way_of(line), f"line {line:#x}"
+        assert victim_way == self._cache.victim(line), f"line {line:#x}"
+        return way
+
+    async def use(self, line, way):
+        """The hit of the look-up that stands is used: the line is read and touched."""
+        s = self._cache.set_of(line)
+        await self._step(touch_i=1, read_en_i=1, read_set_i=s, read_way_i=way)
+        self._cache.touch(line)
+        await self._check_data((s, way))
+
+    async def alloc(self, line, then=None):
+        """Reserve a place for the look-up that stands; look `then` up in the same cycle."""
+        look = {} if then is None else {"lookup_en_i": 1, "lookup_line_i": then}
+        await self._step(alloc_i=1, **look)
+        if then is not None:
+            self._dut.line_i.value = then
+        return self._cache.alloc(line)
+
+    async def fill(self, place, line, data, good=True):
+        ports = {"fill_set_i": place[0], "fill_way_i": place[1], "fill_data_i": data}
+        await self._step(fill_i=1, fill_good_i=int(good), **ports)
+        self._cache.fill(place, line if good else None)
+        self._data[place] = data
+
+    async def drain(self, place):
+        """Read a pinned place, as one that hands out does."""
+        await self._step(read_en_i=1, read_set_i=place[0], read_way_i=place[1])
+        await self._check_data(place)
+
+    async def unpin(self, place):
+        await self._step(unpin_i=1, unpin_set_i=place[0], unpin_way_i=place[1])
+        self._cache.unpin(place)
+
+    async def _check_data(self, place):
+        for _ in range(2):  # and it stays
+            await ReadOnly()
+            assert self._dut.line_o.value == self._data[place], f"place {place}"
+            await RisingEdge(self._dut.clk_i)
+
+    async def bring(self, line, data):
+        """Miss, fill and unpin `line`."""
+        assert await self.look_up(line) is None
+        place = await self.alloc(line)
+        await self.fill(place, line, data)
+        await self.unpin(place)
+
+    def line(self, set_, number):
+        """The number-th line of a set."""
+        return number * self.sets + set_
+
+    def data(self, rng):
+        return rng.getrandbits(8 * self._line_bytes)
+
+
+@cocotb.test()
+@cocotb.parametrize(lines_a_way=[1, 2, 8], p_error=[0.0, 0.3])
+async def agrees_with_the_model_under_random_use(dut, lines_a_way, p_error):
+    rng = await start(dut)
+    l1 = L1(dut)
+    lines = range(l1.sets * l1.ways * lines_a_way + 1)
+    reserved, arrived = {}, []  # place -> line on its way; places that hand out
+    for _ in range(600):
+        choice = rng.random()
+        if reserved and choice < 0.3:
+            place = rng.choice(list(reserved))
+            line = reserved.pop(place)
+            await l1.fill(place, line, l1.data(rng), good=rng.random() >= p_error)
+            arrived.append(place)
+        elif arrived and choice < 0.6:
+            place = arrived.pop(rng.randrange(len(arrived)))
+            await l1.drain(place)
+            await l1.unpin(place)
+        else:
+            line = rng.choice(lines)
+            way = await l1.look_up(line, settle=rng.randrange(2))
+            if way is not None:
+                await l1.use(line, way)
+            elif line not in reserved.values() and dut.victim_valid_o.value == 1:
+                reserved[await l1.alloc(line)] = line
+
+
+@cocotb.test()
+async def is_empty_after_reset(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    for number in range(l1.ways):
+        await l1.bring(l1.line(0, number), l1.data(rng))
+    dut.rst_ni.value = 0
+    await RisingEdge(dut.clk_i)
+    dut.rst_ni.value = 1
+
+    fresh = L1(dut)
+    for number in range(l1.ways):
+        assert await fresh.look_up(l1.line(0, number)) is None
+
+
+@cocotb.test()
+async def keeps_a_full_set_and_every_other_set(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    lines = [l1.line(s, number) for s in range(l1.sets) for number in range(l1.ways)]
+    for line in lines:
+        await l1.bring(line, l1.data(rng))
+
+    for line in lines:
+        way = await l1.look_up(line)
+        assert way is not None
+        await l1.use(line, way)
+
+
+@cocotb.test()
+async def tells_the_highest_line_from_the_lowest(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    top = (1 << int(dut.LineAddrWidth.value)) - 1
+    line = top // l1.sets * l1.sets  # set 0, tag all ones
+    await l1.bring(line, l1.data(rng))
+
+    assert await l1.look_up(l1.line(0, 0)) is None
+    for bit in range(l1.sets.bit_length() - 1, int(dut.LineAddrWidth.value)):
+        assert await l1.look_up(line ^ 1 << bit) is None, f"bit {bit} of the tag is not compared"
+    assert await l1.look_up(line) is not None
+
+
+@cocotb.test()
+async def spares_the_way_used_last(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    if l1.ways == 1:
+        return
+    for number in range(l1.ways):
+        await l1.bring(l1.line(0, number), l1.data(rng))
+    for extra in range(4 * l1.ways):  # the storm passes, the line that is used stays
+        way = await l1.look_up(l1.line(0, 0))
+        assert way is not None, f"gone after {extra} other lines"
+        await l1.use(l1.line(0, 0), way)
+        await l1.bring(l1.line(0, l1.ways + extra), l1.data(rng))
+
+
+@cocotb.test()
+async def has_no_victim_while_all_ways_are_pinned(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    places = {}
+    for number in range(l1.ways):
+        assert await l1.look_up(l1.line(0, number)) is None
+        places[number] = await l1.alloc(l1.line(0, number))
+    assert len(set(places.values())) == l1.ways
+
+    await l1.look_up(l1.line(0, 99))
+    assert dut.victim_valid_o.value == 0
+    last = l1.ways - 1
+    await l1.fill(places[last], l1.line(0, last), l1.data(rng))
+    await l1.see(l1.line(0, 99))
+    assert dut.victim_valid_o.value == 0, "a line that hands out is pinned still"
+    await l1.unpin(places[last])
+    await l1.see(l1.line(0, 99))
+    assert dut.victim_valid_o.value == 1
+
+
+@cocotb.test()
+async def sees_a_set_as_the_write_in_the_same_cycle_leaves_it(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    old, new = l1.line(0, 1), l1.line(0, 2)
+    if l1.ways == 1:
+        await l1.bring(old, l1.data(rng))
+        await l1.look_up(new)
+        await l1.alloc(new, then=old)  # `old` goes as it is looked up
+        assert await l1.see(old) is None
+        return
+    await l1.bring(old, l1.data(rng))
+    await l1.look_up(new)
+    place = await l1.alloc(new, then=old)  # its neighbour stays
+    assert await l1.see(old) is not None
+    await l1.look_up(l1.line(0, 3))
+    other = await l1.alloc(l1.line(0, 3), then=new)
+    assert await l1.see(new) is None  # reserved, not there yet
+    await l1.fill(place, new, l1.data(rng))
+    assert await l1.see(new) is not None
+    await l1.fill(other, l1.line(0, 3), l1.data(rng))
+
+
+@pytest.mark.parametrize(("cache_bytes", "ways", "line_bytes"), SHAPES)
+def test_ti_l1(cache_bytes, ways, line_bytes):
+    run("ti_l1", "test_ti_l1", CacheBytes=cache_bytes, Ways=ways, LineBytes=line_bytes)
