@@ -81,7 +81,7 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 	@build/fp/$(subst $(comma),-,$(FORMAT))/fp_rtl --testfloat $(FILE) --op $(OP)
 
 ##@ Check
-test: sw sanitized ## Every check that CI runs (TEST=part_of_a_name for a few)
+test: sw $(if $(TEST),,sanitized) ## Every check that CI runs (TEST=part_of_a_name for a few)
 	@$(foreach c,$(test_configs),$(MAKE) engine CONFIG=$(c) SET= &&) scripts/test.sh '$(TEST)'
 
 sim: check-unit model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)

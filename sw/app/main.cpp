@@ -8,6 +8,7 @@
 #include <string>
 
 #include "app/hardcases.hpp"
+#include "app/ray_source.hpp"
 #include "app/run.hpp"
 #include "common/error.hpp"
 #include "io/npy.hpp"
@@ -29,9 +30,7 @@ struct Arguments {
   std::string out;
   std::string size = "256x256";
   std::string effects = "none";
-  std::string rays_file;
-  std::string ray_kind = "primary";
-  std::size_t ray_count = 0;
+  std::string rays;
   std::string cases_file;
   int spp = 1;
   std::uint64_t seed = 1;
@@ -93,29 +92,20 @@ int render(const Arguments& arguments) {
   return outcome.good() ? kGood : kChecksFailed;
 }
 
-/// Rays of the user's file, or of the kind and number asked for.
-std::vector<ti::Ray> rays_for(const Arguments& arguments, const ti::Scene& scene) {
-  if (!arguments.rays_file.empty()) return ti::load_rays(arguments.rays_file);
-  if (arguments.ray_count < 1) throw Error("RAYS: give a file of rays, or a number of them for KIND=random or KIND=primary");
-  if (arguments.ray_kind == "random") return ti::random_rays(scene.mesh, arguments.ray_count, arguments.seed);
-  int side = 1;
-  while (static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < arguments.ray_count) ++side;
-  auto rays = ti::primary_rays(scene.camera, side, side, 1, arguments.seed).rays;
-  rays.resize(arguments.ray_count);
-  return rays;
-}
-
 int trace(const Arguments& arguments) {
-  const std::vector<ti::Ray> given =
-      arguments.rays_file.empty() ? std::vector<ti::Ray>{} : ti::load_rays(arguments.rays_file);
+  const ti::RaySource source = ti::parse_ray_source(arguments.rays);
+  std::vector<ti::Ray> rays;
+  if (!source.file.empty()) rays = ti::load_rays(source.file);
   const ti::Session session(arguments.run, load(arguments));
-  const std::vector<ti::Ray> rays = arguments.rays_file.empty() ? rays_for(arguments, session.scene()) : given;
+  if (source.file.empty()) {
+    rays = ti::make_rays(source, session.scene(), *session.model(), arguments.run.config.format, arguments.seed);
+  }
   const auto outcome = session.trace(rays);
   const std::filesystem::path folder = arguments.out;
   if (arguments.dump) ti::save_rays(folder / "rays.npy", rays);
   dump(folder, outcome.hits);
   ti::report(session, outcome, rays.size(), folder);
-  fmt::print("{}: hits.npy, prims.npy, report.json\n", folder.string());
+  fmt::print("{}: {}hits.npy, prims.npy, report.json\n", folder.string(), arguments.dump ? "rays.npy, " : "");
   return outcome.good() ? kGood : kChecksFailed;
 }
 
@@ -186,9 +176,7 @@ int run(int argc, char** argv) {
   CLI::App* trace_command = app.add_subcommand("trace", "trace rays and write hits.npy, prims.npy, report.json");
   add_common(*trace_command, arguments);
   add_scene(*trace_command, arguments);
-  trace_command->add_option("--rays", arguments.rays_file, "rays.npy, float32 [N,8]");
-  trace_command->add_option("--count", arguments.ray_count, "rays to make when no file is given");
-  trace_command->add_option("--kind", arguments.ray_kind, "random or primary")->check(CLI::IsMember({"random", "primary"}));
+  trace_command->add_option("--rays", arguments.rays, "rays.npy, float32 [N,8], or KIND:COUNT to make them")->required();
 
   CLI::App* cases_command = app.add_subcommand("hardcases", "trace and judge a file of hard cases");
   add_common(*cases_command, arguments);

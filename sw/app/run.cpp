@@ -33,14 +33,18 @@ bool Session::Outcome::good() const {
          !engine.lock_step.work_differs && (!truth || truth->unexplained == 0);
 }
 
+std::unique_ptr<Tracer> Session::model() const {
+  return Tracer::create(
+      image_, {.stack_depth = options_.config.stack_depth, .watchdog_steps = options_.config.watchdog_steps});
+}
+
 Session::Outcome Session::trace(std::span<const Ray> rays) const {
   const auto begin = std::chrono::steady_clock::now();
   Outcome outcome;
   if (options_.engine == EngineKind::Embree) {
     outcome.hits = Truth(scene_.mesh, options_.config.format).trace(rays);
   } else {
-    const auto model = Tracer::create(
-        image_, {.stack_depth = options_.config.stack_depth, .watchdog_steps = options_.config.watchdog_steps});
+    const auto model = this->model();
     const auto engine = options_.engine == EngineKind::Rtl
                             ? make_rtl_engine(image_, options_.config, *model, options_.rtl)
                             : make_model_engine(*model);

@@ -42,6 +42,9 @@ class Session {
   };
   [[nodiscard]] Outcome trace(std::span<const Ray> rays) const;
 
+  /// The bit-exact model for this configuration on this scene; must not outlive the session.
+  [[nodiscard]] std::unique_ptr<Tracer> model() const;
+
   [[nodiscard]] const RunOptions& options() const { return options_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const BuildStats& tree() const { return stats_; }

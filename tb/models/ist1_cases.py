@@ -107,8 +107,8 @@ def case_b(bary, axis, d, after_a):
 def corners_of_b():
     """On an edge, on a corner, one ulp beyond; infinite and NaN products.
 
-    With d = 0 on u and v, dett = det = +-1: Du = -audet, Dv = -av*det; the edges are unit vectors, so
-    that detu = Dv and detv = Du up to sign.
+    With d = 0 and det = +-1, Du = -audet and Dv = -av*det; the edges are unit vectors, so that detu
+    and detv are Du and Dv up to sign.
     """
     n = numbers()
     one, half, s = n.one, n.of(0.5), n.sign

@@ -10,6 +10,8 @@ import re
 from functools import cache
 from pathlib import Path
 
+import cocotb
+
 PACKAGE = Path(__file__).resolve().parents[2] / "rtl/common/ti_pkg.sv"
 TYPEDEF = re.compile(
     r"typedef\s+(?:struct\s+packed\s*\{(?P<fields>.*?)\}|enum\s+logic\s*(?P<enum>\[.*?\])\s*\{.*?\}"
@@ -95,6 +97,12 @@ def configuration():
     config = json.loads((Path.cwd().parent / "config/config.json").read_text())
     config.pop("name")
     return config
+
+
+def parameter(name, otherwise=0):
+    """A parameter of the unit in this simulation; `otherwise` where pytest only collects."""
+    top = getattr(cocotb, "top", None)
+    return otherwise if top is None else int(getattr(top, name).value)
 
 
 def _camel(key):

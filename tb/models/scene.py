@@ -12,7 +12,7 @@ BASE = 0x100000  # address of the image in memory
 
 
 @dataclass(frozen=True)
-class Test:
+class Outcome:
     """What becomes of one ray against one triangle."""
 
     passes: int  # 1: over after pass (a), 2: after (b), 3: inside, (c) is taken
@@ -24,6 +24,7 @@ class Scene:
     """The image of `triangles` in the simulation's format."""
 
     def __init__(self, triangles):
+        self.triangles = triangles
         self.image = ti_model.Image.build(*payloads().format, triangles)
         self.bytes = self.image.bytes
         self.root = self.image.root
@@ -51,11 +52,19 @@ class Scene:
         plane, bary = self.planes[record], self.barys[record]
         after_a = n.model("pass_a", plane, o, d, tbest)
         if after_a is None:
-            return Test(1)
+            return Outcome(1)
         after_b = n.model("pass_b", plane, bary, d, after_a)
         if after_b is None:
-            return Test(2)
-        return Test(3, after_b, n.model("pass_c", after_b))
+            return Outcome(2)
+        return Outcome(3, after_b, n.model("pass_c", after_b))
+
+    def aimed(self, rng, record):
+        """(o, d) of a ray that meets the triangle near its middle."""
+        n = numbers()
+        corners = self.triangles[self.prim(record)]
+        target = [sum(axis) / 3 for axis in zip(*corners, strict=True)]
+        o = n.vec(rng.uniform(-2, 2) for _ in range(3))
+        return o, n.vec(to - n.float(start) for to, start in zip(target, o, strict=True))
 
 
 def soup(rng, count, size=0.3, reach=1.0):

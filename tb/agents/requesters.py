@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The slots in front of a `ti_ra`: they ask, and everything that the unit does is checked."""
+
+from collections import Counter, deque
+from dataclasses import dataclass, field
+
+from agents.bench import cycle
+from agents.memory import line_data
+from cocotb.triggers import ReadOnly, RisingEdge
+from models.cache import Cache
+
+EVENTS = ("hit", "merged", "miss")
+
+
+@dataclass(eq=False)
+class Ticket:
+    """One request and, as they become known, the cycles of its life."""
+
+    addr: int
+    slot: int = None  # None until it is offered: any free one
+    taken: int = None
+    kind: str = None  # one of EVENTS
+    decided: int = None
+    shown: int = None  # the answer stands at the port
+    done: int = None  # and has been taken
+    error: bool = None
+    row: "Row" = None
+
+
+@dataclass(eq=False)
+class Row:
+    """Requests that gather for a line on its way."""
+
+    line: int
+    place: tuple
+    waiting: set = field(default_factory=set)
+    answered: int = None
+    error: bool = False
+
+
+class Requesters:
+    """Asks what `ask` is given, at most one request in flight a slot.
+
+    `gap()` says whether to stay idle instead of offering the next request, `ready()` is the ready
+    bit of the answers.  Which requests must hit, merge or miss follows from the model of the cache
+    and from the answers that the memory gave.
+    """
+
+    def __init__(self, dut, memory, rng):
+        self._dut, self._memory, self._rng = dut, memory, rng
+        for name in ("NumSlots", "Rows", "AddrWidth", "LineBytes", "ElemBytes", "CacheBytes", "Ways"):
+            setattr(self, _snake(name), int(getattr(dut, name).value))
+        self.sets = self.cache_bytes // (self.ways * self.line_bytes)
+        self.gap = lambda: False
+        self.ready = lambda: True
+        self.counts = Counter()
+        self._cache = Cache(self.sets, self.ways)
+        self._wishes = deque()
+        self._free = set(range(self.num_slots))
+        self._offer = None
+        self._undecided = deque()
+        self._in_flight = {}  # slot -> ticket, from taken to done
+        self._rows = []
+        self._shown = None
+
+    def addr(self, line, elem=0, byte=0):
+        return line * self.line_bytes + elem * self.elem_bytes + byte
+
+    def line_of(self, set_, number):
+        """The number-th line of a set."""
+        return number * self.sets + set_
+
+    def any_addr(self, line):
+        return self.addr(line) + self._rng.randrange(self.line_bytes)
+
+    def ask(self, addrs):
+        """Queue a request for each address; returns their tickets."""
+        tickets = [Ticket(addr) for addr in addrs]
+        self._wishes.extend(tickets)
+        return tickets
+
+    async def until(self, condition, patience=5000):
+        """Go on until `condition()` holds; fails when nothing moves for `patience` cycles."""
+        idle, before = 0, None
+        while not condition():
+            await RisingEdge(self._dut.clk_i)
+            state = (sum(self.counts.values()), len(self._in_flight), len(self._wishes))
+            idle = 0 if state != before else idle + 1
+            before = state
+            assert idle < patience, f"stuck: {len(self._in_flight)} in flight, {self.counts}"
+
+    async def done(self, tickets, patience=5000):
+        await self.until(lambda: all(t.done is not None for t in tickets), patience)
+
+    async def decided(self, tickets, patience=5000):
+        await self.until(lambda: all(t.kind is not None for t in tickets), patience)
+
+    def waits(self):
+        """Whether the unit holds a request that it cannot decide on."""
+        return bool(self._undecided)
+
+    def finish(self):
+        """Check the sums when everything is over."""
+        assert not self._in_flight and not self._rows and not self._wishes
+        assert self.counts["access"] == sum(self.counts[kind] for kind in EVENTS)
+        assert self.counts["access"] == self.counts["taken"] == self.counts["done"]
+        assert self.counts["miss"] == len(self._memory.asked)
+
+    async def run(self):
+        """Play the slots for ever."""
+        while True:
+            self._drive()
+            await ReadOnly()
+            self._see_response()
+            self._see_event()
+            self._see_lines()
+            self._see_request()
+            await RisingEdge(self._dut.clk_i)
+
+    def _drive(self):
+        dut = self._dut
+        if self._offer is None and self._wishes and self._free and not self.gap():
+            self._offer = self._wishes.popleft()
+            self._offer.slot = self._rng.choice(sorted(self._free))
+        dut.req_valid_i.value = self._offer is not None
+        if self._offer is not None:
+            dut.req_slot_i.value = self._offer.slot
+            dut.req_addr_i.value = self._offer.addr
+        dut.rsp_ready_i.value = int(self.ready())
+
+    def _see_request(self):
+        if self._offer is not None and self._dut.req_ready_o.value == 1:
+            ticket, self._offer = self._offer, None
+            ticket.taken = cycle()
+            self.counts["taken"] += 1
+            self._free.remove(ticket.slot)
+            self._in_flight[ticket.slot] = ticket
+            self._undecided.append(ticket)
+
+    def _see_event(self):
+        seen = [kind for kind in EVENTS if getattr(self._dut, f"event_{kind}_o").value == 1]
+        if self._dut.event_access_o.value == 0:
+            assert not seen, f"{seen} without an access"
+            return
+        assert len(seen) == 1 and self._undecided, f"access with {seen}"
+        self.counts.update(["access", *seen])
+        ticket = self._undecided.popleft()
+        ticket.kind, ticket.decided = seen[0], cycle()
+        line = ticket.addr // self.line_bytes
+        row = next((r for r in self._rows if r.line == line and r.answered is None), None)
+        there = self._cache.way_of(line) is not None
+        want = "merged" if row else "hit" if there else "miss"
+        assert ticket.kind == want, f"line {line:#x}: {ticket.kind}, must be {want}"
+        if ticket.kind == "hit":
+            self._cache.touch(line)
+            return
+        if ticket.kind == "miss":
+            assert len(self._rows) < self.rows and self._cache.victim(line) is not None
+            row = Row(line, self._cache.alloc(line))
+            self._rows.append(row)
+        row.waiting.add(ticket)
+        ticket.row = row
+
+    def _see_lines(self):
+        if self._memory.answered and self._memory.answered[-1][0] == cycle():
+            _, line, error = self._memory.answered[-1]
+            row = next(r for r in self._rows if r.line == line and r.answered is None)
+            row.answered, row.error = cycle(), error
+            self._cache.fill(row.place, None if error else line)
+
+    def _see_response(self):
+        dut = self._dut
+        if dut.rsp_valid_o.value == 0:
+            assert self._shown is None, "an answer went away before it was taken"
+            return
+        slot = int(dut.rsp_slot_o.value)
+        assert slot in self._in_flight, f"an answer for slot {slot}, which has asked nothing"
+        ticket = self._in_flight[slot]
+        assert self._shown in (None, ticket), "an answer changed before it was taken"
+        if self._shown is None:
+            self._first_sight(ticket)
+        self._check(ticket)
+        if dut.rsp_ready_i.value == 1:
+            ticket.done, self._shown = cycle(), None
+            self.counts["done"] += 1
+            del self._in_flight[slot]
+            self._free.add(slot)
+
+    def _first_sight(self, ticket):
+        self._shown, ticket.shown = ticket, cycle()
+        row = ticket.row
+        if row is None:
+            assert ticket.kind == "hit" and ticket.shown == ticket.decided + 1
+            return
+        assert row.answered is not None, "an answer before its line"
+        row.waiting.remove(ticket)
+        if not row.waiting:
+            self._rows.remove(row)
+            self._cache.unpin(row.place)
+
+    def _check(self, ticket):
+        ticket.error = self._dut.rsp_error_o.value == 1
+        assert ticket.error == (ticket.row is not None and ticket.row.error), f"{ticket.addr:#x}"
+        if not ticket.error:
+            data = line_data(ticket.addr // self.line_bytes, self.line_bytes)
+            elem = ticket.addr % self.line_bytes // self.elem_bytes
+            want = data >> 8 * self.elem_bytes * elem & ((1 << 8 * self.elem_bytes) - 1)
+            got = int(self._dut.rsp_elem_o.value)
+            assert got == want, f"{ticket.addr:#x} ({ticket.kind}): {got:#x}, must be {want:#x}"
+
+
+def _snake(name):
+    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ti_ist2` turns each candidate into one return token with the model's t, u, v, in order."""
+
+import cocotb
+import pytest
+from agents.bench import cycle, run, start
+from agents.stream import Sink, Source, stalls
+from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
+from models.ist1_cases import finite_not_zero, pass_b_cases
+from models.numbers import hexed, numbers
+from models.payload import payloads
+
+FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
+
+
+def candidates(rng, count):
+    """Ends of the range, products that overflow or vanish, then tests that pass (b) has kept."""
+    n = numbers()
+    least, most, one = 1, n.inf - 1, n.one
+    values = [v | s for v in (0, least, 1 << n.frac_bits, one, most) for s in (0, n.sign)]
+    after_b = [(d, t, t, d) for d in values if d & (n.sign - 1) for t in values]
+    for case in pass_b_cases(rng, count):
+        plane = (0, 0, 0, 0, 0, case["axis"], 0, 0)
+        kept = n.model("pass_b", plane, case["bary"], case["d"], case["after_a"])
+        if kept is not None and kept[1] & (n.sign - 1) < n.inf:
+            after_b.append(kept)
+    for _ in range(count):
+        after_b.append(tuple(finite_not_zero(rng) for _ in range(4)))
+    for det, dett, detu, detv in after_b:
+        yield {
+            "home": {"trv": rng.getrandbits(1), "slot": rng.getrandbits(3)},
+            "prim": rng.getrandbits(32),
+            "det": det,
+            "dett": dett,
+            "detu": detu,
+            "detv": detv,
+        }
+
+
+def expected(candidate):
+    """The token; of a miss only what a home reads of it."""
+    hit = numbers().model("pass_c", tuple(candidate[k] for k in ("det", "dett", "detu", "detv")))
+    token = {"home": candidate["home"], "count": 1, "error": 0, "hit": int(hit is not None)}
+    if hit:
+        token.update(zip("tuv", hit, strict=True), prim=candidate["prim"])
+    return token
+
+
+def read(bits):
+    token = payloads().unpack("return_t", bits)
+    if not token["hit"]:
+        for field in ("prim", "t", "u", "v"):
+            del token[field]
+    return token
+
+
+def packed(candidates):
+    return [payloads().pack("candidate_t", c) for c in candidates]
+
+
+@cocotb.test()
+@cocotb.parametrize(p_valid=[1.0, 0.3], p_ready=[1.0, 0.3])
+async def gives_the_model_s_values_in_order(dut, p_valid, p_ready):
+    rng = await start(dut)
+    source, sink = Source(dut, "candidate"), Sink(dut, "return")
+    todo = list(candidates(rng, 500))
+
+    cocotb.start_soon(source.send(packed(todo), stalls(rng, 1 - p_valid)))
+    got = await sink.receive(len(todo), ready=lambda: rng.random() < p_ready)
+
+    for candidate, bits in zip(todo, got, strict=True):
+        want = expected(candidate)
+        assert read(bits) == want, (
+            f"{hexed(candidate)}: want {hexed(want)}, got {hexed(read(bits))}"
+        )
+    await sink.expect_none(2 * int(dut.Latency.value))
+    counters = payloads().unpack("ist2_counters_t", int(dut.counters_o.value))
+    assert counters["c_passes"] == len(todo)
+
+
+@cocotb.test()
+async def a_t_that_is_not_finite_is_a_miss(dut):
+    rng = await start(dut)
+    n = numbers()
+    source, sink = Source(dut, "candidate"), Sink(dut, "return")
+    most, least = n.inf - 1, 1
+    overflows = [(n.of(0.5), most), (least, n.one), (least | n.sign, n.one), (n.sign | least, most)]
+    finite = [(n.one, most), (n.of(2.0), most), (n.one, 0), (most, most)]
+    dets = [(det, dett, hit) for pairs, hit in ((overflows, 0), (finite, 1)) for det, dett in pairs]
+    todo = [{"det": det, "dett": dett, "prim": rng.getrandbits(32)} for det, dett, _ in dets]
+
+    cocotb.start_soon(source.send(packed(todo)))
+    got = await sink.receive(len(todo))
+
+    assert [payloads().unpack("return_t", bits)["hit"] for bits in got] == [h for _, _, h in dets]
+
+
+@cocotb.test()
+async def takes_latency_cycles_and_gives_one_a_cycle(dut):
+    rng = await start(dut)
+    todo = packed(candidates(rng, 100))[-100:]
+    dut.return_ready_i.value = 1
+    sent, came = [], []
+    for _ in range(100 + int(dut.Latency.value) + 8):
+        dut.candidate_valid_i.value = int(bool(todo))
+        dut.candidate_data_i.value = todo[-1] if todo else 0
+        await ReadOnly()
+        if todo and dut.candidate_ready_o.value == 1:
+            sent.append(cycle())
+            todo.pop()
+        if dut.return_valid_o.value == 1:
+            came.append(cycle())
+        await RisingEdge(dut.clk_i)
+
+    assert sent == list(range(sent[0], sent[0] + 100))
+    assert came == [c + int(dut.Latency.value) for c in sent]
+
+
+@cocotb.test()
+async def credits_stop_the_input_before_anything_is_lost(dut):
+    rng = await start(dut)
+    source, sink = Source(dut, "candidate"), Sink(dut, "return")
+    todo = list(candidates(rng, 100))[:200]
+    latency = int(dut.Latency.value)
+
+    cocotb.start_soon(source.send(packed(todo)))
+    await ClockCycles(dut.clk_i, 4 * latency)
+    await ReadOnly()
+    assert dut.candidate_ready_o.value == 0
+    counters = payloads().unpack("ist2_counters_t", int(dut.counters_o.value))
+    assert latency <= counters["c_passes"] < 2 * latency
+    await RisingEdge(dut.clk_i)
+
+    got = await sink.receive(len(todo))
+    assert [read(bits) for bits in got] == [expected(candidate) for candidate in todo]
+
+
+@pytest.mark.parametrize("overrides", FORMATS)
+def test_ti_ist2(overrides):
+    run("ti_ist2", "test_ti_ist2", config=f"tiny {overrides}")

@@ -1,0 +1,368 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ti_ra` answers every request once with the right bytes, and empties a row at one ray a cycle."""
+
+import cocotb
+import pytest
+from agents.bench import run, start
+from agents.memory import LineMemory
+from agents.requesters import Requesters
+from cocotb.triggers import ClockCycles, RisingEdge
+
+# NumSlots, Rows, Ways, ElemBytes, LineBytes, CacheBytes
+SHAPES = {
+    "small": (32, 8, 4, 8, 64, 2048),
+    "tiny": (8, 2, 2, 8, 64, 1024),
+    "one line": (32, 8, 1, 4, 64, 64),
+    "one set": (16, 8, 4, 32, 64, 256),
+    "one row": (16, 1, 4, 8, 16, 128),
+    "two slots": (2, 2, 1, 32, 32, 128),
+    "odd": (5, 3, 2, 4, 16, 128),
+}
+
+
+async def begin(dut):
+    """Start the unit with a memory behind it and slots in front of it."""
+    rng = await start(dut)
+    memory, slots, _ = play(dut, rng)
+    return rng, memory, slots
+
+
+def play(dut, rng):
+    """Memory and slots of a unit that has been reset, and the tasks that play them."""
+    memory = LineMemory(dut, int(dut.LineBytes.value), rng)
+    slots = Requesters(dut, memory, rng)
+    return memory, slots, [cocotb.start_soon(memory.run()), cocotb.start_soon(slots.run())]
+
+
+async def bring(slots, *lines):
+    """Have `lines` in the cache."""
+    for line in lines:
+        await slots.done(slots.ask([slots.addr(line)]))
+
+
+def hold(memory):
+    """From now on lines stay on their way until they are released."""
+    memory.latency = lambda line: None
+
+
+def consecutive(cycles):
+    return sorted(cycles) == list(range(min(cycles), min(cycles) + len(cycles)))
+
+
+PATTERNS = ["one line", "walk", "every line", "one set", "near", "far"]
+
+
+def pattern(name, slots, rng, count):
+    """Addresses of an access pattern."""
+    kept = slots.sets * slots.ways
+    top = (1 << slots.addr_width) // slots.line_bytes - 1
+    lines = {
+        "one line": lambda i: 5,
+        "walk": lambda i: i * slots.elem_bytes // slots.line_bytes,
+        "every line": lambda i: i,
+        "one set": lambda i: slots.line_of(slots.sets - 1, rng.randrange(slots.ways + 2)),
+        "near": lambda i: rng.randrange(2 * kept),
+        "far": lambda i: rng.choice([0, 1, top - 1, top, rng.randrange(top)]),
+    }[name]
+    return [slots.any_addr(lines(i)) for i in range(count)]
+
+
+@cocotb.test()
+@cocotb.parametrize(name=PATTERNS)
+@cocotb.parametrize(stalls=["none", "everywhere", "slow memory"], p_error=[0.0, 0.2])
+async def gives_the_right_bytes_for_every_pattern(dut, name, stalls, p_error):
+    rng, memory, slots = await begin(dut)
+    memory.error = lambda line: rng.random() < p_error
+    if stalls == "none":
+        memory.latency = lambda line: 1
+    if stalls == "everywhere":
+        memory.latency = lambda line: rng.randrange(1, 12)
+        memory.ready = lambda: rng.random() < 0.4
+        slots.gap = lambda: rng.random() < 0.3
+        slots.ready = lambda: rng.random() < 0.5
+    if stalls == "slow memory":
+        memory.latency = lambda line: rng.choice([3, 40])
+
+    await slots.done(slots.ask(pattern(name, slots, rng, 300)))
+
+    slots.finish()
+
+
+@cocotb.test()
+async def survives_a_long_mix_of_patterns_and_stalls(dut):
+    rng, memory, slots = await begin(dut)
+    for _ in range(20):
+        most, p_error, p_line = rng.choice([1, 6, 60]), rng.choice([0.0, 0.1]), rng.random()
+        p_gap, p_ready = rng.choice([0.0, 0.5]), rng.choice([0.1, 0.8, 1.0])
+        memory.latency = lambda line, most=most: rng.randint(1, most)
+        memory.error = lambda line, p=p_error: rng.random() < p
+        memory.ready = lambda p=p_line: rng.random() < max(p, 0.1)
+        slots.gap = lambda p=p_gap: rng.random() < p
+        slots.ready = lambda p=p_ready: rng.random() < p
+        tickets = slots.ask(pattern(rng.choice(PATTERNS), slots, rng, 150))
+        await slots.decided(tickets)  # the next phase meets what is still in flight
+    await slots.done(tickets)
+
+    slots.finish()
+
+
+@cocotb.test()
+async def hands_out_a_row_one_ray_a_cycle(dut):
+    _, memory, slots = await begin(dut)
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(7) for _ in range(slots.num_slots)])
+    await slots.decided(tickets)
+    await ClockCycles(dut.clk_i, 3)
+    memory.release(7)
+    await slots.done(tickets)
+
+    assert [t.kind for t in tickets] == ["miss"] + ["merged"] * (slots.num_slots - 1)
+    filled = memory.answered[-1][0]
+    assert sorted(t.done for t in tickets) == [filled + 2 + i for i in range(slots.num_slots)]
+
+
+@cocotb.test()
+async def hands_out_two_rows_without_a_gap(dut):
+    _, memory, slots = await begin(dut)
+    if slots.rows < 2 or slots.sets * slots.ways < 2 or slots.num_slots < 4:
+        return
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(6 + i % 2) for i in range(slots.num_slots)])
+    await slots.decided(tickets)
+    await ClockCycles(dut.clk_i, 3)
+    memory.release(7, after=1)
+    memory.release(6, after=2)
+    await slots.done(tickets)
+
+    assert consecutive([t.done for t in tickets])
+
+
+@cocotb.test()
+async def answers_a_hit_after_two_cycles(dut):
+    _, _, slots = await begin(dut)
+    await bring(slots, 3)
+    for elem in range(slots.line_bytes // slots.elem_bytes):
+        (ticket,) = slots.ask([slots.addr(3, elem)])
+        await slots.done([ticket])
+        assert ticket.kind == "hit" and ticket.done - ticket.taken == 2
+
+
+@cocotb.test()
+async def answers_hits_one_a_cycle(dut):
+    _, _, slots = await begin(dut)
+    await bring(slots, 3)
+    # A slot asks again three cycles after it asked, so three slots fill the unit.
+    count = 100 if slots.num_slots >= 3 else slots.num_slots
+    tickets = slots.ask([slots.any_addr(3) for _ in range(count)])
+    await slots.done(tickets)
+
+    assert {t.kind for t in tickets} == {"hit"}
+    assert consecutive([t.taken for t in tickets])
+    assert consecutive([t.done for t in tickets])
+
+
+@cocotb.test()
+async def answers_hits_while_a_line_is_on_its_way(dut):
+    _, memory, slots = await begin(dut)
+    if slots.sets * slots.ways == 1:
+        return
+    await bring(slots, 3)
+    hold(memory)
+    (late,) = slots.ask([slots.any_addr(4)])
+    count = 60 if slots.num_slots >= 4 else 1
+    early = slots.ask([slots.any_addr(3) for _ in range(count)])
+    await slots.done(early)
+
+    assert late.kind == "miss" and late.done is None
+    assert {t.kind for t in early} == {"hit"} and consecutive([t.done for t in early])
+    memory.release(4)
+    await slots.done([late])
+
+
+@cocotb.test()
+async def a_line_that_comes_first_is_handed_out_first(dut):
+    _, memory, slots = await begin(dut)
+    lines = list(range(10, 10 + min(slots.rows, slots.sets * slots.ways, slots.num_slots)))
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(line) for line in lines])
+    await slots.decided(tickets)
+    await slots.until(lambda: len(memory.held()) == len(lines))
+    for line, ticket in reversed(list(zip(lines, tickets, strict=True))):
+        memory.release(line)
+        await slots.done([ticket])
+
+    assert [line for _, line, _ in memory.answered] == lines[::-1]
+
+
+@cocotb.test()
+async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
+    _, memory, slots = await begin(dut)
+    hold(memory)
+    met = {}
+    for wait in range(8):
+        line = 20 + wait
+        first = slots.ask([slots.any_addr(line)])
+        await slots.until(lambda line=line: memory.held() == [line])
+        memory.release(line, after=5)
+        await ClockCycles(dut.clk_i, wait)
+        second = slots.ask([slots.any_addr(line)])
+        await slots.done(first + second)
+        met[second[0].decided - memory.answered[-1][0]] = second[0].kind
+
+    assert met[-1] == met[0] == "merged"
+    assert met[max(met)] == "hit"
+    assert all(kind == ("merged" if late <= 0 else "hit") for late, kind in met.items())
+
+
+@cocotb.test()
+async def stalls_while_all_rows_are_taken_and_recovers(dut):
+    _, memory, slots = await begin(dut)
+    if slots.sets * slots.ways <= slots.rows or slots.num_slots <= slots.rows:
+        return
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(line) for line in range(slots.rows + 1)])
+    await slots.until(lambda: len(memory.held()) == slots.rows)
+    await ClockCycles(dut.clk_i, 20)
+    assert slots.waits() and tickets[-1].kind is None, "a row more than there are"
+    assert len(memory.held()) == slots.rows
+
+    memory.release(0)
+    await slots.decided(tickets)
+    for line in range(1, slots.rows + 1):
+        await slots.until(lambda line=line: line in memory.held())
+        memory.release(line)
+    await slots.done(tickets)
+    slots.finish()
+
+
+@cocotb.test()
+async def stalls_while_all_ways_are_pinned_and_recovers(dut):
+    _, memory, slots = await begin(dut)
+    if slots.rows <= slots.ways or slots.num_slots <= slots.ways + 1:
+        return
+    lines = [slots.line_of(0, number) for number in range(slots.ways + 1)]
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(line) for line in [lines[0], *lines]])
+    await slots.until(lambda: len(memory.held()) == slots.ways)
+    await ClockCycles(dut.clk_i, 20)
+    assert slots.waits() and tickets[-1].kind is None, "a line without a place"
+
+    slots.ready = lambda: False
+    memory.release(lines[0])
+    await ClockCycles(dut.clk_i, 20)  # one of its two rays stands at the port, one in the row
+    assert slots.waits() and tickets[-1].kind is None, "the place went before it was handed out"
+
+    slots.ready = lambda: True
+    for line in lines[1:]:
+        await slots.until(lambda line=line: line in memory.held())
+        memory.release(line)
+    await slots.done(tickets)
+    slots.finish()
+
+
+@cocotb.test()
+async def an_error_flags_the_rays_of_its_line_and_the_next_access_asks_again(dut):
+    _, memory, slots = await begin(dut)
+    bad, good = 8, 9
+    memory.error = lambda line: line == bad
+    hold(memory)
+    others = slots.sets * slots.ways > 1 and slots.rows > 1
+    addrs = [bad if i % 2 or not others else good for i in range(slots.num_slots)]
+    first = slots.ask([slots.any_addr(line) for line in addrs])
+    await slots.decided(first)
+    await slots.until(lambda: len(memory.held()) == len(set(addrs)))
+    for line in set(addrs):
+        memory.release(line)
+    await slots.done(first)
+    assert [t.error for t in first] == [line == bad for line in addrs]
+
+    memory.error = lambda line: False
+    memory.latency = lambda line: 3
+    asked = len(memory.asked)
+    again = slots.ask([slots.any_addr(bad)])
+    await slots.done(again)
+    assert again[0].kind == "miss" and not again[0].error and memory.asked[asked:] == [bad]
+    then = slots.ask([slots.any_addr(bad)])
+    await slots.done(then)
+    assert then[0].kind == "hit"
+    slots.finish()
+
+
+@cocotb.test()
+async def a_line_used_lately_stays(dut):
+    _, _, slots = await begin(dut)
+    if slots.ways == 1:
+        return
+    await bring(slots, *(slots.line_of(0, number) for number in range(slots.ways)))
+    for extra in range(3 * slots.ways):
+        used = slots.ask([slots.any_addr(slots.line_of(0, 0))])
+        await slots.done(used)
+        assert used[0].kind == "hit", f"gone after {extra} other lines"
+        await bring(slots, slots.line_of(0, slots.ways + extra))
+
+
+@cocotb.test()
+@cocotb.parametrize(latency=[1, 4, 20])
+async def a_storm_of_conflicts_starves_no_ray(dut, latency):
+    """Each ray wants a line of its own in one set; a line may go as soon as its ray has it."""
+    _, memory, slots = await begin(dut)
+    memory.latency = lambda line: latency
+    tickets = slots.ask(
+        [slots.any_addr(slots.line_of(0, number)) for number in range(4 * slots.num_slots)]
+    )
+    await slots.done(tickets)
+
+    assert all(t.kind == "miss" for t in tickets)
+    assert len(memory.asked) == len(tickets), "a line was asked for twice for one ray"
+    slots.finish()
+
+
+@cocotb.test()
+async def a_line_that_has_arrived_is_handed_out_soon_whatever_else_arrives(dut):
+    """The last row fills first; then misses stream through the other rows for ever."""
+    _, memory, slots = await begin(dut)
+    if slots.sets * slots.ways < 2 * slots.rows or slots.num_slots < 2 * slots.rows:
+        return
+    hold(memory)
+    first = slots.ask([slots.any_addr(line) for line in range(slots.rows)])
+    await slots.until(lambda: len(memory.held()) == slots.rows)
+    for line in memory.held():
+        memory.release(line)
+    memory.latency = lambda line: 1
+    stream = slots.ask([slots.any_addr(slots.rows + i) for i in range(300)])
+    await slots.done(first + stream)
+
+    for ticket in first + stream:
+        waited = ticket.shown - ticket.row.answered
+        assert waited <= 2 + slots.num_slots, f"{ticket.addr:#x} waited {waited} cycles"
+
+
+@cocotb.test()
+async def forgets_everything_on_reset(dut):
+    rng = await start(dut)
+    memory, slots, tasks = play(dut, rng)
+    await bring(slots, 1, 2)
+    hold(memory)
+    slots.ready = lambda: False
+    lost = slots.ask([slots.any_addr(line) for line in (2, 3)])
+    await slots.decided(lost)  # a line on its way and, if there is room, an answer at the port
+    for task in tasks:
+        task.cancel()
+    dut.rst_ni.value = 0
+    dut.req_valid_i.value = 0
+    await ClockCycles(dut.clk_i, 2)
+    dut.rst_ni.value = 1
+    await RisingEdge(dut.clk_i)
+    assert dut.rsp_valid_o.value == 0 and dut.line_req_valid_o.value == 0
+
+    memory, slots, _ = play(dut, rng)
+    again = slots.ask([slots.any_addr(line) for line in (1, 2, 3)])
+    await slots.done(again)
+    assert {t.kind for t in again} == {"miss"}
+    slots.finish()
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_ti_ra(shape):
+    names = ("NumSlots", "Rows", "Ways", "ElemBytes", "LineBytes", "CacheBytes")
+    run("ti_ra", "test_ti_ra", params=dict(zip(names, SHAPES[shape], strict=True)))

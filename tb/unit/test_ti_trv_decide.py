@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ti_trv_decide` follows the traversal rules in every combination of what it looks at."""
+
+from itertools import product
+
+import cocotb
+import pytest
+import ti_model
+from agents.bench import run
+from cocotb.triggers import Timer
+from models.numbers import hexed, numbers
+from models.payload import parameter
+
+NEAR, FAR, BOTH = range(3)
+OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
+ROOT, INDEX, LINK, TOP = 7, 100, 900, 555
+STACK_DEPTH, WATCHDOG_STEPS = parameter("StackDepth", 4), parameter("WatchdogSteps", 50)
+
+
+def interval():
+    """tmin, tmax, the ray's tmax and an entry's tmax."""
+    n = numbers()
+    return n.of(1.0), n.of(2.0), n.of(5.0), n.of(3.0)
+
+
+def around(*places):
+    """Each place and its neighbours, then infinities, zeros and NaN."""
+    n = numbers()
+    values = [p + ulp for p in places for ulp in (-1, 0, 1)]
+    return [*values, n.of(1.5), 0, n.sign, n.inf, n.inf | n.sign, n.nan]
+
+
+def common():
+    """Sign, reorder flag, entries on the stack, one dropped, steps before this node, error."""
+    return product(
+        (0, 1),
+        (0, 1),
+        range(STACK_DEPTH + 1),
+        (0, 1),
+        (0, WATCHDOG_STEPS - 1, WATCHDOG_STEPS, WATCHDOG_STEPS + 1),
+        (0, 1),
+    )
+
+
+def inner_cases():
+    tmin, tmax, ray_tmax, _ = interval()
+    for (negative, reorder, level, dropped, steps, error), t in product(
+        common(), around(tmin, tmax)
+    ):
+        yield case(negative, reorder, level, dropped, steps, error, t=t, ray_tmax=ray_tmax)
+
+
+def leaf_cases():
+    _, tmax, ray_tmax, _ = interval()
+    for (negative, reorder, level, dropped, steps, error), tbest, count, whole in product(
+        common(), around(tmax), (0, 1, 65535), (0, 1)
+    ):
+        end = tmax if whole else ray_tmax
+        yield case(
+            negative, reorder, level, dropped, steps, error, count=count, tbest=tbest, ray_tmax=end
+        )
+
+
+def case(negative, reorder, level, dropped, steps, error, **rest):
+    tmin, tmax, _, top_tmax = interval()
+    leaf = "count" in rest
+    link = rest.pop("count", LINK) << 3 | reorder << 2 | (3 if leaf else 1)
+    return {
+        "root": ROOT,
+        "index": INDEX,
+        "node": link << 32 | 123,
+        "error": error,
+        "negative": negative,
+        "t": numbers().nan,
+        "tmin": tmin,
+        "tmax": tmax,
+        "tbest": numbers().nan,
+        "steps": steps,
+        "level": level,
+        "dropped": dropped,
+        "top_node": TOP,
+        "top_tmax": top_tmax,
+        **rest,
+    }
+
+
+def expected(c):
+    """The outputs that mean something, by the rules of docs/architecture.md."""
+    if c["steps"] >= WATCHDOG_STEPS:
+        return {"over": 1, "status": WATCHDOG, "go": 0, "leaf": 0, "steps": c["steps"]}
+    steps = c["steps"] + 1
+    if c["error"]:
+        return {"over": 1, "status": MEMORY_ERROR, "go": 0, "leaf": 0, "steps": steps}
+    word = c["node"] >> 32
+    decide = leaf_rule if word & 3 == 3 else inner_rule
+    return {"over": 0, "leaf": 0, "go": 0, "steps": steps, **decide(c, word)}
+
+
+def inner_rule(c, word):
+    n = numbers()
+    near, far = ti_model.ordered(word, c["index"], bool(c["negative"]))
+    side = n.model("choose", c["t"], c["tmin"], c["tmax"])
+    on = {"go": 1, "pop": 0, "restart": 0, "tmin": c["tmin"]}
+    if side != BOTH:
+        rest = {"next": far if side == FAR else near, "push": 0, "tmax": c["tmax"]}
+        return {**on, **rest, "level": c["level"], "dropped": c["dropped"]}
+    full = c["level"] == STACK_DEPTH
+    return {
+        **on,
+        "next": near,
+        "push": 1,
+        "far": far,
+        "tmax": c["t"],
+        "level": c["level"] + (not full),
+        "dropped": int(c["dropped"] or full),
+    }
+
+
+def leaf_rule(c, word):
+    n = numbers()
+    full = int(word >> 3 != 0)
+    over = {"leaf": full, "over": int(not full), "status": OK, "push": 0}
+    if not full and n.model("fp_le", c["tbest"], c["tmax"]):
+        return {**over, "go": 0}
+    on = {"leaf": full, "go": 1, "push": 0, "tmin": c["tmax"]}
+    if c["level"]:
+        rest = {"next": TOP, "tmax": c["top_tmax"], "level": c["level"] - 1, "pop": 1}
+        return {**on, **rest, "dropped": c["dropped"], "restart": 0}
+    if c["dropped"] and c["tmax"] != c["ray_tmax"]:
+        rest = {"next": ROOT, "tmax": c["ray_tmax"], "level": 0, "pop": 0}
+        return {**on, **rest, "dropped": 0, "restart": 1}
+    return {**over, "go": 0}
+
+
+async def check(dut, cases):
+    seen = set()
+    for c in cases:
+        for name, value in c.items():
+            getattr(dut, f"{name}_i").value = value
+        await Timer(1, "ns")
+        want = expected(c)
+        got = {name: int(getattr(dut, f"{name}_o").value) for name in want}
+        assert got == want, f"{hexed(c)}: want {hexed(want)}, got {hexed(got)}"
+        seen.add(tuple(want.get(k, 0) for k in ("go", "leaf", "over", "push", "pop", "restart")))
+    return seen
+
+
+@cocotb.test()
+async def an_inner_node_goes_on_with_near_far_or_both(dut):
+    seen = await check(dut, inner_cases())
+
+    assert seen == {(0, 0, 1, 0, 0, 0), (1, 0, 0, 0, 0, 0), (1, 0, 0, 1, 0, 0)}
+
+
+@cocotb.test()
+async def a_leaf_goes_on_from_the_stack_or_the_root_or_ends(dut):
+    seen = await check(dut, leaf_cases())
+
+    ends = {(0, 0, 1, 0, 0, 0), (0, 1, 0, 0, 0, 0)}
+    goes_on = {(1, leaf, 0, 0, pop, 1 - pop) for leaf in (0, 1) for pop in (0, 1)}
+    assert seen == ends | goes_on
+
+
+@pytest.mark.parametrize("depth", [1, 4])
+def test_ti_trv_decide(depth):
+    run("ti_trv_decide", "test_ti_trv_decide", StackDepth=depth, WatchdogSteps=50)
