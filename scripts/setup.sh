@@ -30,7 +30,7 @@ installed() {
 }
 
 available() {
-  apt-cache show "$1" >/dev/null 2>&1
+  [[ "$(LC_ALL=C apt-cache policy "$1" 2>/dev/null)" =~ Candidate:\ [^\(] ]]
 }
 
 # Prints the packages of the list that are not installed; of A|B the first that could be had.

@@ -16,7 +16,7 @@
 namespace ti {
 namespace {
 
-constexpr std::array<std::string_view, 5> kKinds{"random", "primary", "ao", "diffuse", "shadow"};
+constexpr std::array<std::string_view, 6> kKinds{"random", "inside", "primary", "ao", "diffuse", "shadow"};
 constexpr int kAoSamples = 16;
 constexpr double kAoRadius = 0.05;  // of the diagonal
 
@@ -67,6 +67,8 @@ std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tr
   std::vector<Ray> rays;
   if (source.kind == "random") {
     rays = random_rays(scene.mesh, source.count, seed);
+  } else if (source.kind == "inside") {
+    rays = inside_rays(scene.mesh, source.count, seed);
   } else if (source.kind == "primary") {
     rays = camera_rays(scene, source.count, seed);
   } else {

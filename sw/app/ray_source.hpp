@@ -14,7 +14,7 @@ namespace ti {
 
 /// Where rays come from: a file, or `KIND:COUNT` to make them.
 ///
-/// Kinds: `random` (anywhere, any direction), `primary` (camera), and from the hits of primary rays `ao` (16 any-hit rays a
+/// Kinds: `random` (around the mesh), `inside` (in its box, any direction), `primary` (camera), and from the hits of primary rays `ao` (16 any-hit rays a
 /// hit, 5 % of the scene's diagonal long), `diffuse` (one cosine-distributed closest-hit ray a hit), `shadow` (one any-hit ray a hit and light).
 struct RaySource {
   std::string file;  ///< empty: made

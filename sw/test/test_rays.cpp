@@ -261,6 +261,22 @@ TEST_CASE("random rays start in a ball of 1.2 radii and go everywhere") {
   CHECK(random_rays(square(), 0, 1).empty());
 }
 
+TEST_CASE("inside rays start in the box of the mesh, all over it") {
+  Mesh mesh = square();
+  mesh.vertices.push_back({0, 0, 2});
+  mesh.triangles.push_back({0, 1, 4});
+  glm::dvec3 mean(0.0);
+  for (const Ray& ray : inside_rays(mesh, 20000, 3)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      CHECK(ray.o[axis] >= 0.0F);
+      CHECK(ray.o[axis] <= (axis == 2 ? 2.0F : 1.0F));
+    }
+    mean += glm::dvec3(ray.o) / 20000.0;
+  }
+  CHECK(glm::length(mean - glm::dvec3(0.5, 0.5, 1.0)) < 0.02);
+  CHECK(inside_rays(mesh, 0, 3).empty());
+}
+
 TEST_CASE("random rays of a mesh with broken vertices are finite") {
   Mesh mesh = square();
   mesh.vertices.push_back({std::nanf(""), 0, 0});

@@ -129,7 +129,7 @@ async def hits_and_misses_leave_in_one_order(dut):
 @cocotb.test()
 async def takes_a_ray_in_three_cycles_and_gives_it_after_its_latency(dut):
     n = numbers()
-    rng, homes = await setup(dut, slots=lambda _: 1000)
+    _, homes = await setup(dut, slots=lambda _: 1000)
     inside = ray(n.vec((0, 0, 0)), n.vec((0, 0, 1)))
     todo = list(packed([inside] * 60))
     taken = []

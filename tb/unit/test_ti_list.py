@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`ti_list` sends one test for every id of every leaf, and accounts for those it cannot read."""
+
+import struct
+from collections import Counter
+
+import cocotb
+import pytest
+from agents.bench import cycle, run, start
+from agents.image_memory import ImageMemory
+from agents.stream import Sink, Source, stalls
+from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
+from models.numbers import numbers
+from models.payload import parameter, payloads
+
+BASE = 0x40_0000
+SLOTS_TO_FILL = 8  # fewer cannot keep the unit busy
+
+
+class List:
+    """Random ids in memory, from an odd place in a line on, behind a reset unit."""
+
+    def __init__(self, dut, rng, count=600, **memory):
+        self.ids = [rng.getrandbits(29) for _ in range(count)]
+        offset = 4 * rng.randrange(1, 16)
+        dut.list_base_i.value = BASE + offset
+        data = bytes(offset) + struct.pack(f"<{count}I", *self.ids)
+        self.memory = ImageMemory(dut, data, BASE, **memory)
+        self._start, self._rng = BASE + offset, rng
+
+    def leaf(self, first, count):
+        rng = self._rng
+        return {
+            "home": {"trv": rng.getrandbits(1), "slot": rng.getrandbits(3)},
+            "first": first,
+            "count": count,
+            "o": numbers().any_vec(rng),
+            "d": numbers().any_vec(rng),
+            "tbest": numbers().any(rng),
+        }
+
+    def leaves(self, counts):
+        for count in counts:
+            yield self.leaf(self._rng.randrange(len(self.ids) - count + 1), count)
+
+    def tests(self, leaf, good=lambda line: True):
+        """The tests of a leaf as far as its lines are good, and how many are left."""
+        shared = {k: leaf[k] for k in ("home", "o", "d", "tbest")}
+        tests = []
+        for place in range(leaf["first"], leaf["first"] + leaf["count"]):
+            if not good(self.line(place)):
+                break
+            tests.append(payloads().pack("test_t", shared, record=self.ids[place]))
+        return tests, leaf["count"] - len(tests)
+
+    def line(self, place):
+        return self.memory.line_of(self._start + 4 * place)
+
+
+def packed(leaves):
+    return [payloads().pack("leaf_t", leaf) for leaf in leaves]
+
+
+def shown(name, beats):
+    return [payloads().unpack(name, bits) for bits in beats]
+
+
+async def check(dut, rng, listed, leaves, good=lambda line: True, p_valid=1.0, p_ready=1.0):
+    """Send the leaves; every test and every error comes once, the tests of a leaf in order."""
+    parts = [listed.tests(leaf, good) for leaf in leaves]
+    want = [test for tests, _ in parts for test in tests]
+    errors = [
+        payloads().pack("return_t", home=leaf["home"], count=left, error=1)
+        for leaf, (_, left) in zip(leaves, parts, strict=True)
+        if left
+    ]
+    test_sink, return_sink = Sink(dut, "test"), Sink(dut, "return")
+    cocotb.start_soon(Source(dut, "leaf").send(packed(leaves), stalls(rng, 1 - p_valid)))
+    tasks = [
+        cocotb.start_soon(sink.receive(len(beats), ready=lambda: rng.random() < p_ready))
+        for sink, beats in ((test_sink, want), (return_sink, errors))
+    ]
+    got, failed = [await task for task in tasks]
+    for sink in (test_sink, return_sink):
+        await sink.expect_none(100)
+
+    assert Counter(got) == Counter(want), shown("test_t", Counter(got) - Counter(want))
+    assert Counter(failed) == Counter(errors), shown("return_t", failed)
+    for tests, _ in parts:  # ids are all but unique, so a leaf's tests tell their order
+        places = [got.index(test) for test in tests]
+        assert len(set(tests)) < len(tests) or places == sorted(places)
+    counters = payloads().unpack("list_counters_t", int(dut.counters_o.value))
+    assert counters["ids"] == len(want)
+
+
+@cocotb.test()
+@cocotb.parametrize(p_valid=[1.0, 0.2], p_ready=[1.0, 0.3], latency=[1, 50])
+async def sends_every_id_of_every_leaf_once(dut, p_valid, p_ready, latency):
+    rng = await start(dut)
+    listed = List(
+        dut, rng, latency=lambda: rng.randint(1, latency), ready=lambda: rng.random() < 0.7
+    )
+    counts = [1, 1, 2, 15, 16, 17, 33, 600] + [rng.randint(1, 24) for _ in range(30)]
+
+    await check(dut, rng, listed, list(listed.leaves(counts)), p_valid=p_valid, p_ready=p_ready)
+
+
+@cocotb.test()
+async def crosses_line_boundaries_at_every_place(dut):
+    rng = await start(dut)
+    listed = List(dut, rng)
+    leaves = [listed.leaf(first, count) for first in range(34) for count in (1, 2, 17)]
+
+    await check(dut, rng, listed, leaves)
+
+
+@cocotb.test()
+@cocotb.parametrize(p_ready=[1.0, 0.3])
+async def an_error_accounts_for_the_tests_that_are_left(dut, p_ready):
+    rng = await start(dut)
+    bad = set()
+    listed = List(dut, rng, fails=lambda line: line in bad)
+    bad |= {listed.line(place) for place in range(20, 600, 90)}
+    counts = [1, 600, *(rng.randint(1, 60) for _ in range(40))]
+    leaves = list(listed.leaves(counts))
+    whole = [leaf for leaf in leaves if not listed.tests(leaf, lambda line: line not in bad)[1]]
+    assert 5 < len(whole) < len(leaves) - 5
+
+    await check(dut, rng, listed, leaves, lambda line: line not in bad, p_ready=p_ready)
+
+
+@cocotb.test()
+async def the_first_test_comes_four_cycles_after_its_leaf(dut):
+    rng = await start(dut)
+    listed = List(dut, rng)
+    [leaf] = packed([listed.leaf(0, 1)])
+    source, sink = Source(dut, "leaf"), Sink(dut, "test")
+    cocotb.start_soon(source.send([leaf]))
+    await sink.receive(1)  # the line is in the L1 now
+    await ClockCycles(dut.clk_i, 5)
+
+    taken, came = cycle(), None
+    cocotb.start_soon(source.send([leaf]))
+    dut.test_ready_i.value = 1
+    while came is None:
+        await ReadOnly()
+        came = cycle() if dut.test_valid_o.value == 1 else None
+        await RisingEdge(dut.clk_i)
+
+    assert came - taken == 4  # queue 1, RA 2, operands 1
+
+
+@cocotb.test(skip=parameter("NumSlots") < SLOTS_TO_FILL)
+@cocotb.parametrize(count=[1, 5, 100])
+async def sends_one_test_every_cycle(dut, count):
+    """With all lines in the L1 and a leaf always waiting, over 500 cycles."""
+    rng = await start(dut)
+    listed = List(dut, rng, count=120)
+    leaves = packed(listed.leaves([count] * 30))
+    dut.test_ready_i.value = 1
+    source = Source(dut, "leaf")
+    cocotb.start_soon(source.send(rng.choice(leaves) for _ in range(10_000)))
+
+    def counters():
+        return payloads().unpack("list_counters_t", int(dut.counters_o.value))
+
+    await ClockCycles(dut.clk_i, 1500)
+    before, since = counters(), cycle()
+    await ClockCycles(dut.clk_i, 500)
+    after, until = counters(), cycle()
+
+    assert after["cache"]["misses"] == before["cache"]["misses"]
+    assert after["ids"] - before["ids"] == until - since == 500
+
+
+@pytest.mark.parametrize(
+    "params",
+    [{}, {"NumSlots": SLOTS_TO_FILL, "CacheBytes": 4096, "Ways": 4, "Rows": 3}],
+    ids=["tiny", "large"],
+)
+def test_ti_list(params):
+    run("ti_list", "test_ti_list", params=params)
