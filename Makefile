@@ -15,6 +15,7 @@ OP ?=
 OUT ?=
 RAYS ?=
 SEED ?=
+LOG_RAY ?=
 TEST ?=
 UNIT ?=
 
@@ -53,7 +54,8 @@ run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 # Only the program with the RTL as an engine is built for a configuration.
 ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
 needs = check-engine $(config)/config.json $(call ti,$(ENGINE)) $(filter $(knot),$(scene))
-common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED))
+common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED)) \
+  $(if $(LOG_RAY),--log-ray $(LOG_RAY))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 # Whole-engine tests trace on these.

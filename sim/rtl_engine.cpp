@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 #include <type_traits>
 
@@ -9,6 +10,7 @@
 #include "app/engine.hpp"
 #include "bits.hpp"
 #include "common/error.hpp"
+#include "io/file.hpp"
 #include "memory.hpp"
 #include "progress.hpp"
 #include "ti_config.hpp"
@@ -47,6 +49,7 @@ class RtlEngine final : public Engine {
 
   [[nodiscard]] EngineResult trace(std::span<const Ray> rays) override {
     VerilatedContext context;
+    start_log(context);
     Vti_core core(&context);
     std::mt19937_64 random(options_.stall_seed);
     Memory memory(image_.bytes(), {.latency = options_.memory_latency,
@@ -111,6 +114,16 @@ class RtlEngine final : public Engine {
   }
 
  private:
+  /// Tells `ti_step_log` which ray to follow.
+  void start_log(VerilatedContext& context) const {
+    if (!options_.log_ray) return;
+    write_file(options_.log_file, "");
+    const std::string ray = fmt::format("+log_ray={}", *options_.log_ray);
+    const std::string file = fmt::format("+log_file={}", options_.log_file.string());
+    std::array<const char*, 3> arguments{"ti", ray.c_str(), file.c_str()};
+    context.commandArgs(static_cast<int>(arguments.size()), arguments.data());
+  }
+
   static void step(Vti_core& core) {
     core.clk_i = 0;
     core.eval();

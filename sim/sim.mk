@@ -5,7 +5,7 @@
 
 rtl_build := build/$(tag)
 verilated := $(rtl_build)/verilated
-rtl_sources := $(wildcard rtl/*/*.sv rtl/*/*.svh) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt)
+rtl_sources := $(wildcard rtl/*/*.sv rtl/*/*.svh) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
 harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp)) $(rtl_build)/obj/main.o
 
 VERILATOR_FLAGS := --cc --top-module ti_core --prefix Vti_core -O3 \
@@ -50,7 +50,7 @@ build/sw/libti_sw.a: build/sw/build.ninja FORCE
 
 $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv sim/sim.mk build/setup.stamp
 	@scripts/logged.sh $(rtl_build)/verilate.log "build: Verilator ($(tag))" verilator $(VERILATOR_FLAGS) \
-	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv -f rtl/ti.f
+	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv -f rtl/ti.f $(wildcard sim/*.sv)
 	@scripts/logged.sh $(rtl_build)/model.log "build: compile the RTL model ($(tag))" \
 	  $(MAKE) -j $(jobs) -C $(verilated) -f Vti_core.mk OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2 \
 	  libVti_core.a libverilated.a

@@ -116,6 +116,11 @@ module ti_ist1 #(
     .give_slot_i (give_slot)
   );
 
+  // What comes out of the pipeline of the two passes.
+  logic result_valid, result_b, result_keep;
+  tag_t result_tag;
+  ti_pkg::fp_t result_det, result_dett, result_x, result_y;
+
   // Requests: pass (b) goes before pass (a), so that tests in hand are finished first.
   logic want_a_valid, want_b_valid, req_ready, go_on;
   slot_t want_a_slot, want_b_slot, req_slot;
@@ -252,9 +257,7 @@ module ti_ist1 #(
   assign bary    = record_q[issue_slot_q][0] ? issue_elem_q[255:128] : issue_elem_q[127:0];
 
   // The two passes.
-  logic result_valid, result_b, result_keep;
-  tag_t issue_tag, result_tag;
-  ti_pkg::fp_t result_det, result_dett, result_x, result_y;
+  tag_t issue_tag;
 
   assign issue_tag = '{
     slot: issue_slot_q,

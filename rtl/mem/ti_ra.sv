@@ -183,6 +183,8 @@ module ti_ra #(
     if (drain) row_head_q[drain_row] <= next_q[drain_slot];
   end
 
+  logic [8*LineBytes-1:0] read_line;
+
   ti_l1 #(
     .CacheBytes   (CacheBytes),
     .Ways         (Ways),
@@ -213,8 +215,6 @@ module ti_ra #(
     .read_way_i    (drain ? row_way_q[drain_row] : hit_way),
     .line_o        (read_line)
   );
-
-  logic [8*LineBytes-1:0] read_line;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) s2_valid_q <= 1'b0;

@@ -282,6 +282,9 @@ module ti_trv #(
   );
 
   // ---- The slot's state is read just in time: state, then what it points to, then the decision.
+  logic go, leaf, over, push, pop, restart;
+  node_index_t next_node, far;
+  ti_pkg::status_e status;
   state_t state_ram, state, state_next;
   interval_t interval;
   entry_t top;
@@ -377,10 +380,6 @@ module ti_trv #(
   end
 
   // ---- The decision.
-  logic go, leaf, over, push, pop, restart;
-  node_index_t next_node, far;
-  ti_pkg::status_e status;
-
   ti_trv_decide #(
     .StackDepth   (StackDepth),
     .WatchdogSteps(WatchdogSteps)

@@ -99,7 +99,7 @@ module ti_trv_return #(
   state_e state_d, state_q;
 
   // What is in hand.
-  slot_t slot_q;
+  slot_t load_slot, slot_q;
   ti_pkg::return_t token_q;
   ti_pkg::status_e status_d, status_q;
   ti_pkg::steps_t over_steps_q;
@@ -188,7 +188,6 @@ module ti_trv_return #(
   end
 
   // Next in hand: slots that are over and tokens take turns.
-  slot_t load_slot;
   assign load           = state_d == Idle;
   assign load_over      = over_valid_i && (prefer_over_q || !return_valid_i);
   assign load_slot      = load_over ? over_slot_i : return_data_i.home.slot;

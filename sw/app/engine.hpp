@@ -56,6 +56,8 @@ struct RtlOptions {
   std::uint64_t error_every = 0;   ///< not 0: each n-th memory answer is an error
   bool lock_step = true;
   bool progress = true;
+  std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
+  std::filesystem::path log_file;        ///< to this file
 };
 
 /// Something that answers rays.

@@ -27,7 +27,6 @@ constexpr int kBadInput = 2;
 struct Arguments {
   std::string config_file;
   ti::RunOptions run;
-  std::string out;
   std::string size = "256x256";
   std::string effects = "none";
   std::string rays;
@@ -81,7 +80,7 @@ int render(const Arguments& arguments) {
   for (std::size_t i = 0; i < colours.size(); ++i) {
     pixels[primary.index[i]] += colours[i] / static_cast<float>(arguments.spp);
   }
-  const std::filesystem::path folder = arguments.out;
+  const std::filesystem::path folder = arguments.run.out;
   ti::save_png(folder / "image.png", pixels, size.width, size.height);
   if (arguments.dump) {
     ti::save_rays(folder / "rays.npy", primary.rays);
@@ -101,7 +100,7 @@ int trace(const Arguments& arguments) {
     rays = ti::make_rays(source, session.scene(), *session.model(), arguments.run.config.format, arguments.seed);
   }
   const auto outcome = session.trace(rays);
-  const std::filesystem::path folder = arguments.out;
+  const std::filesystem::path folder = arguments.run.out;
   if (arguments.dump) ti::save_rays(folder / "rays.npy", rays);
   dump(folder, outcome.hits);
   ti::report(session, outcome, rays.size(), folder);
@@ -156,8 +155,9 @@ void add_scene(CLI::App& command, Arguments& arguments) {
   static const std::map<std::string, ti::Layout> kLayouts{{"odfl", ti::Layout::Odfl}, {"dfl", ti::Layout::Dfl}};
   command.add_option("--scene", arguments.run.scene, "glTF, OBJ, PLY or .ply.zst")->required();
   command.add_option("--layout", arguments.run.layout, "odfl or dfl")->transform(CLI::CheckedTransformer(kLayouts));
-  command.add_option("--out", arguments.out, "folder for what is written")->required();
+  command.add_option("--out", arguments.run.out, "folder for what is written")->required();
   command.add_option("--seed", arguments.seed, "of the rays");
+  command.add_option("--log-ray", arguments.run.log_ray, "number of a ray whose steps are written, by model and RTL");
   command.add_flag("--dump", arguments.dump, "write the rays and the hits too");
 }
 

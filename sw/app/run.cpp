@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "common/error.hpp"
+#include "io/file.hpp"
 
 namespace ti {
 namespace {
@@ -38,15 +39,33 @@ std::unique_ptr<Tracer> Session::model() const {
       image_, {.stack_depth = options_.config.stack_depth, .watchdog_steps = options_.config.watchdog_steps});
 }
 
+void Session::log_steps(std::span<const Ray> rays, const Tracer& model, const std::filesystem::path& file) const {
+  std::string text;
+  Work work;
+  const Tracer::Log line = [&text](const std::string& step) { text += step + "\n"; };
+  (void)model.trace(rays[*options_.log_ray], work, &line);
+  write_file(file, text);
+}
+
 Session::Outcome Session::trace(std::span<const Ray> rays) const {
+  if (options_.log_ray && *options_.log_ray >= rays.size()) {
+    throw Error(fmt::format("LOG_RAY={}: there are {} rays, numbered from 0", *options_.log_ray, rays.size()));
+  }
   const auto begin = std::chrono::steady_clock::now();
   Outcome outcome;
   if (options_.engine == EngineKind::Embree) {
     outcome.hits = Truth(scene_.mesh, options_.config.format).trace(rays);
   } else {
     const auto model = this->model();
+    RtlOptions rtl = options_.rtl;
+    if (options_.log_ray) {
+      const auto log = [this](const char* who) { return options_.out / fmt::format("ray-{}.{}.log", *options_.log_ray, who); };
+      log_steps(rays, *model, log("model"));
+      rtl.log_ray = options_.log_ray;
+      rtl.log_file = log("rtl");
+    }
     const auto engine = options_.engine == EngineKind::Rtl
-                            ? make_rtl_engine(image_, options_.config, *model, options_.rtl)
+                            ? make_rtl_engine(image_, options_.config, *model, rtl)
                             : make_model_engine(*model);
     outcome.engine = engine->trace(rays);
     outcome.hits.reserve(rays.size());

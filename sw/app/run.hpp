@@ -23,6 +23,8 @@ struct RunOptions {
   Layout layout = Layout::Odfl;
   RtlOptions rtl;
   bool truth = true;  ///< compare with Embree and exact arithmetic
+  std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits, by model and RTL
+  std::filesystem::path out;             ///< folder for what is written
 };
 
 /// A scene with its tree and the engine that traces it.
@@ -51,6 +53,8 @@ class Session {
   [[nodiscard]] const Image& image() const { return image_; }
 
  private:
+  void log_steps(std::span<const Ray> rays, const Tracer& model, const std::filesystem::path& file) const;
+
   RunOptions options_;
   Scene scene_;
   BuildStats stats_;

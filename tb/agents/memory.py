@@ -6,7 +6,7 @@ import random
 from agents.bench import cycle
 from cocotb.triggers import ReadOnly, RisingEdge
 
-UNIT_PORTS = {  # of `ti_ra`, our roles on the left
+RA_PORTS = {  # the roles of a port here, and their names at a `ti_ra`
     "ask_valid": "line_req_valid_o",
     "ask_ready": "line_req_ready_i",
     "ask_id": "line_req_row_o",
@@ -24,19 +24,19 @@ def line_data(line, line_bytes):
 
 
 class LineMemory:
-    """Answers at most one request a cycle, in the order of time, at random among those due.
+    """Answers at most one request a cycle, at random among those that are due.
 
     `latency(line)` is the number of cycles from a request to its answer, 1 or more, or None: the
     answer waits for `release(line)`.  `error(line)` says whether an answer is an error.  `ready()`
     is the ready bit of each cycle.  `asked` has every line in the order of the requests, `answered`
-    (cycle, line, error) of every answer.
+    (cycle, line, error) of every answer.  A role that `ports` leaves out is not driven.
     """
 
-    def __init__(self, dut, line_bytes, rng, ports=UNIT_PORTS):
+    def __init__(self, dut, line_bytes, rng, ports=RA_PORTS):
         self._clk = dut.clk_i
         self._line_bytes = line_bytes
         self._rng = rng
-        self._port = {role: getattr(dut, name, None) for role, name in ports.items()}
+        self._port = {role: getattr(dut, name) for role, name in ports.items()}
         self._waiting = []  # [cycle when due or None, identity, line]
         self.latency = lambda line: 3
         self.error = lambda line: False
@@ -78,7 +78,7 @@ class LineMemory:
             self.answered.append((cycle(), line, error))
 
     def _drive(self, role, value):
-        if self._port[role] is not None:
+        if role in self._port:
             self._port[role].value = value
 
     def _ask(self):

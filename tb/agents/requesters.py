@@ -48,9 +48,10 @@ class Requesters:
 
     def __init__(self, dut, memory, rng):
         self._dut, self._memory, self._rng = dut, memory, rng
-        for name in ("NumSlots", "Rows", "AddrWidth", "LineBytes", "ElemBytes", "CacheBytes", "Ways"):
-            setattr(self, _snake(name), int(getattr(dut, name).value))
-        self.sets = self.cache_bytes // (self.ways * self.line_bytes)
+        self.num_slots, self.rows = int(dut.NumSlots.value), int(dut.Rows.value)
+        self.line_bytes, self.elem_bytes = int(dut.LineBytes.value), int(dut.ElemBytes.value)
+        self.ways = int(dut.Ways.value)
+        self.sets = int(dut.CacheBytes.value) // (self.ways * self.line_bytes)
         self.gap = lambda: False
         self.ready = lambda: True
         self.counts = Counter()
@@ -207,7 +208,3 @@ class Requesters:
             want = data >> 8 * self.elem_bytes * elem & ((1 << 8 * self.elem_bytes) - 1)
             got = int(self._dut.rsp_elem_o.value)
             assert got == want, f"{ticket.addr:#x} ({ticket.kind}): {got:#x}, must be {want:#x}"
-
-
-def _snake(name):
-    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).lstrip("_")

@@ -24,7 +24,7 @@ def read_answer(dut):
 
 
 async def drive_beat(dut, beat=None):
-    """One cycle of the R channel with (id, data, resp, last) or nothing; returns the answer after."""
+    """One cycle of the R channel with (id, data, resp, last) or None; returns the answer seen."""
     dut.m_axi_rvalid.value = beat is not None
     if beat is not None:
         dut.m_axi_rid.value, dut.m_axi_rdata.value = beat[:2]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_cache_counters` counts each event once, and each counter wraps alone at 2^48."""
+"""`ti_cache_counters` counts each event once, in every cycle, from zero after reset."""
 
 import cocotb
 from agents.bench import run, start
@@ -44,19 +44,6 @@ async def counts_in_every_cycle(dut):
         await event(dut, "hits")
     await event(dut)
     assert read(dut) == {"accesses": 100, "hits": 100, "merged": 0, "misses": 0}
-
-
-@cocotb.test()
-@cocotb.parametrize(kind=["hits", "merged", "misses"])
-async def wraps_without_touching_its_neighbours(dut, kind):
-    await start(dut)
-    dut.counters_o.value = (1 << 4 * WIDTH) - 1
-    await event(dut, kind)
-    await event(dut)
-
-    full = (1 << WIDTH) - 1
-    want = {name: 0 if name in ("accesses", kind) else full for name in FIELDS}
-    assert read(dut) == want
 
 
 @cocotb.test()

@@ -156,10 +156,10 @@ async def sends_one_test_every_cycle(dut, count):
     """With all lines in the L1 and a leaf always waiting, over 500 cycles."""
     rng = await start(dut)
     listed = List(dut, rng, count=120)
-    leaves = packed(listed.leaves([count] * 30))
+    [whole], leaves = packed([listed.leaf(0, 120)]), packed(listed.leaves([count] * 30))
     dut.test_ready_i.value = 1
     source = Source(dut, "leaf")
-    cocotb.start_soon(source.send(rng.choice(leaves) for _ in range(10_000)))
+    cocotb.start_soon(source.send([whole, *(rng.choice(leaves) for _ in range(10_000))]))
 
     def counters():
         return payloads().unpack("list_counters_t", int(dut.counters_o.value))

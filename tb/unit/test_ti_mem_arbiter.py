@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ti_mem_arbiter` passes every line request on once and brings each answer to who asked."""
 
-from collections import deque
-
 import cocotb
 import pytest
 from agents.bench import cycle, run, start
@@ -30,11 +28,12 @@ class Ports:
         self._free = [set(range(1 << self._row_width)) for _ in range(self.num)]
         self._offer = [None] * self.num  # (row, line)
         self._asking = {}  # line -> (port, row), from taken to answered
-        self._mem_order = deque()
+        self.order = []  # lines, as the ports handed them over
         self.left = [0] * self.num
         self.gap = lambda: False
         self.taken = []  # ports, in the order served
-        self.first_taken = self.answered = 0
+        self.first_taken = None  # cycle
+        self.answered = 0
 
     async def play(self):
         """Until every request has been answered."""
@@ -74,7 +73,7 @@ class Ports:
                 self._offer[port] = None
                 self._free[port].remove(row)
                 self._asking[line] = (port, row)
-                self._mem_order.append(line)
+                self.order.append(line)
                 self.taken.append(port)
                 self.first_taken = self.first_taken or cycle()
 
@@ -90,10 +89,6 @@ class Ports:
         assert int(self._dut.rsp_row_o.value) == row
         self._free[port].add(row)
         self.answered += 1
-
-    def order(self):
-        """Lines in the order in which the ports handed them over."""
-        return list(self._mem_order)
 
 
 async def begin(dut):
@@ -115,7 +110,7 @@ async def answers_every_request_at_the_right_port_and_row(dut, p_gap, p_ready, m
     await ports.play()
 
     assert ports.answered == 200 * ports.num
-    assert memory.asked == ports.order(), "requests changed or overtook each other"
+    assert memory.asked == ports.order, "requests changed or overtook each other"
 
 
 @cocotb.test()
@@ -136,7 +131,7 @@ async def passes_one_request_a_cycle_and_serves_the_ports_in_turn(dut):
 
 @cocotb.test()
 async def a_stalled_request_stays_as_it_is(dut):
-    rng, memory, ports = await begin(dut)
+    _, memory, ports = await begin(dut)
     memory.ready = lambda: False
     ports.left = [1] * ports.num
     cocotb.start_soon(ports.play())

@@ -11,7 +11,7 @@ DEPTH = 4
 
 
 async def play(dut, pushes, ready):
-    """One cycle a push (a beat or None); `ready()` is the reader's ready.  Compares with a deque."""
+    """Give each push (a beat or None) a cycle, against a deque; returns the most that was held."""
     held = deque()
     most = 0
     for push in pushes:

@@ -55,7 +55,7 @@ PATTERNS = ["one line", "walk", "every line", "one set", "near", "far"]
 def pattern(name, slots, rng, count):
     """Addresses of an access pattern."""
     kept = slots.sets * slots.ways
-    top = (1 << slots.addr_width) // slots.line_bytes - 1
+    top = (1 << 32) // slots.line_bytes - 1
     lines = {
         "one line": lambda i: 5,
         "walk": lambda i: i * slots.elem_bytes // slots.line_bytes,

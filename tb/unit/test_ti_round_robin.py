@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_round_robin` picks the next request at or above `from_i`, for every input of up to 6 requests."""
+"""`ti_round_robin` picks the next request at or above `from_i`, for every input of 1 to 6."""
 
 import cocotb
 from agents.bench import run, start

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_slot_pool` hands every slot out, none of them twice at a time, and takes each back at once."""
+"""`ti_slot_pool` hands every slot out, none of them twice at a time, and takes all back."""
 
 import cocotb
 from agents.bench import run, start
