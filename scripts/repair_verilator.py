@@ -67,7 +67,7 @@ def repair(package: Path, cxx: str) -> None:
         "CFG_CXXFLAGS_STD_NEWEST": "-std=gnu++20",
         "CFG_CXXFLAGS_PCH_I": "-include-pch" if clang else "-include",
         "CFG_GCH_IF_CLANG": ".gch" if clang else "",
-        "CFG_LDLIBS_THREADS": "-pthread",
+        "CFG_LDLIBS_THREADS": "-pthread -latomic",
     }
     edit(package / "include/verilated.mk", makefile, "{name} = {value}")
     edit(package / "include/verilated.mk", {"PYTHON3": "python3"}, "{name} = {value}")

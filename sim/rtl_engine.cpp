@@ -2,9 +2,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <random>
+#include <string>
 #include <type_traits>
+#include <vector>
 
 #include "Vti_core.h"
 #include "app/engine.hpp"
@@ -114,13 +115,16 @@ class RtlEngine final : public Engine {
   }
 
  private:
-  /// Tells `ti_step_log` which ray to follow.
+  /// Tells `ti_step_log` which ray to follow; Verilator needs arguments even when there is none.
   void start_log(VerilatedContext& context) const {
-    if (!options_.log_ray) return;
-    write_file(options_.log_file, "");
-    const std::string ray = fmt::format("+log_ray={}", *options_.log_ray);
-    const std::string file = fmt::format("+log_file={}", options_.log_file.string());
-    std::array<const char*, 3> arguments{"ti", ray.c_str(), file.c_str()};
+    std::vector<std::string> words{"ti"};
+    if (options_.log_ray) {
+      write_file(options_.log_file, "");
+      words.push_back(fmt::format("+log_ray={}", *options_.log_ray));
+      words.push_back(fmt::format("+log_file={}", options_.log_file.string()));
+    }
+    std::vector<const char*> arguments;
+    for (const std::string& word : words) arguments.push_back(word.c_str());
     context.commandArgs(static_cast<int>(arguments.size()), arguments.data());
   }
 

@@ -44,9 +44,9 @@ module ti_switch_top #(
     payload_t [Num-1:0] data;
 
     for (genvar i = 0; i < Num; i++) begin : gen_in
-      assign valid[i]             = in_valid_i[First+i];
-      assign data[i]              = in_data_i[First+i];
-      assign in_ready_o[First+i]  = ready[i];
+      assign valid[i]            = in_valid_i[First+i];
+      assign data[i]             = in_data_i[First+i];
+      assign in_ready_o[First+i] = ready[i];
     end
 
     ti_arbiter #(

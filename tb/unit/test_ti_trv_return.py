@@ -40,8 +40,9 @@ class Story:
     ray_id: int = 0
 
 
-def hit(t, prim, u=1, v=2):
-    return {"count": 1, "hit": 1, "t": t, "prim": prim, "u": u, "v": v}
+def hit(t, prim):
+    """The same triangle has the same u and v each time."""
+    return {"count": 1, "hit": 1, "t": t, "prim": prim, "u": prim & 255, "v": prim + 1 & 255}
 
 
 def miss(count=1, error=0):
@@ -170,14 +171,14 @@ class Home:
         dut = self._dut
         while True:
             await ReadOnly()
-            if dut.resume_o.value == 1:
-                slot = int(dut.resume_slot_o.value)
-                node = int(dut.resume_node_o.value), int(dut.resume_restart_o.value)
-                self.resumes[slot].append(node)
-                self._ends[slot].put_nowait(False)
-            if dut.free_o.value == 1:
-                self._ends[int(dut.free_slot_o.value)].put_nowait(True)
+            resumed, freed = dut.resume_o.value == 1, dut.free_o.value == 1
+            slot = int((dut.resume_slot_o if resumed else dut.free_slot_o).value)
+            node = int(dut.resume_node_o.value), int(dut.resume_restart_o.value)
             await RisingEdge(dut.clk_i)
+            if resumed:
+                self.resumes[slot].append(node)
+            if resumed or freed:
+                self._ends[slot].put_nowait(freed)
 
 
 async def tell(dut, stories, p_ready=1.0, p_gap=0.0):
@@ -215,8 +216,9 @@ def random_story(rng):
         if rng.random() < 0.5:
             error = int(rng.random() < 0.02)
             return miss(rng.choice((1, 1, 1, 5)), error)
-        sign = n.sign if rng.random() < 0.1 else 0
-        return hit(rng.choice(times) | sign, rng.randrange(6), rng.getrandbits(9), 7)
+        prim = rng.randrange(6)
+        t = rng.choice(times)
+        return hit(t | n.sign if prim == 3 else t, prim)
 
     leaves = [
         Leaf(
@@ -300,8 +302,8 @@ async def an_any_hit_ray_ends_at_the_leaf_of_its_first_hit_and_reports_only_that
 async def a_memory_error_ends_the_ray_after_all_tests_without_a_hit(dut):
     n = numbers()
     leaf = Leaf([hit(n.one, 3), miss(7, error=1), miss(2)], n.inf, steps=77)
-    after = Story([Leaf([hit(n.one, 3)], n.inf)])  # the slot forgets the error
-    stories = [s for _ in range(20) for s in (Story([leaf]), after)]
+    after = Leaf([hit(n.one, 3)], n.inf)  # the slot forgets the error
+    stories = [Story([each]) for _ in range(20) for each in (leaf, after)]
     assert Expected(stories[0]).hit["status"] == MEMORY_ERROR
 
     await tell(dut, stories)

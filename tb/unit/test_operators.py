@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`scripts/operators.py` counts what the elaborated engine has, and stops one operator above the budget."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import pytest
+from agents.bench import ROOT
+from configure import configure
+
+
+def count(folder, config, rtl=ROOT / "rtl"):
+    """Run the script on a configuration; the finished process and the counts."""
+    name, *overrides = config.split()
+    configure(name, overrides, folder)
+    command = [sys.executable, ROOT / "scripts/operators.py", folder, "--rtl", rtl]
+    done = subprocess.run(
+        [*command, "--json", folder / "out.json"], capture_output=True, text=True, check=False
+    )
+    out = folder / "out.json"
+    return done, json.loads(out.read_text()) if out.is_file() else None
+
+
+def edited(folder, file, old, new):
+    """A copy of the RTL with one text replaced."""
+    rtl = folder / "rtl"
+    shutil.copytree(ROOT / "rtl", rtl)
+    text = (rtl / file).read_text()
+    assert text.count(old) == 1
+    (rtl / file).write_text(text.replace(old, new))
+    return rtl
+
+
+@pytest.mark.parametrize("config", ["paper", "tiny", "small num_trv=3"])
+def test_engine_is_within_the_published_budget(tmp_path, config):
+    done, numbers = count(tmp_path, config)
+    assert done.returncode == 0, done.stderr
+    configuration = numbers["config"]
+    for kind, key in [("TRV", "num_trv"), ("LIST", "num_list"), ("IST1", "num_ist1")]:
+        assert numbers["kinds"][kind]["units"] == configuration[key]
+    assert numbers["kinds"]["IST2"]["operators"] == {"ADD": 0, "MUL": 3, "RCP": 1, "CMP": 0}
+
+
+def test_budget_of_paper_is_the_published_total(tmp_path):
+    _, numbers = count(tmp_path, "paper")
+    assert numbers["total"]["published"] == {"ADD": 86, "MUL": 92, "RCP": 2, "CMP": 108}
+
+
+@pytest.mark.parametrize("config", ["paper", "tiny"])
+def test_memory_is_what_the_configuration_asks_for(tmp_path, config):
+    _, numbers = count(tmp_path, config)
+    keys = numbers["config"]
+    lines = sum(keys[f"num_{u}"] * keys[f"{u}_l1_bytes"] * 8 for u in ("trv", "list", "ist1"))
+    assert numbers["total"]["bits"]["l1_lines"] == lines
+    # A leaf in a LIST slot: TRV and slot of its home, origin, direction and best t.
+    home = max(1, (keys["num_trv"] - 1).bit_length()) + (keys["trv_slots"] - 1).bit_length()
+    slot = home + 7 * (1 + keys["exp_bits"] + keys["frac_bits"])
+    assert numbers["kinds"]["LIST"]["bits"]["slots"] == keys["num_list"] * keys["list_slots"] * slot
+
+
+EXTRA_CMP = "  ti_fp_cmp #({e}, {m}) u_extra_{i} (.a_i('0), .b_i('0), .lt_o(), .eq_o(), .le_o(), .unordered_o());\n"
+E_M = {"e": "ti_pkg::ExpBits", "m": "ti_pkg::FracBits"}
+
+
+@pytest.mark.parametrize(
+    "file, module, kind, number",
+    [
+        ("traverse/ti_trv_decide.sv", "ti_trv_decide", "TRV", 1),
+        ("intersect/ti_list.sv", "ti_list", "LIST", 1),
+        ("top/ti_core.sv", "ti_core", "between", 1),
+    ],
+)
+def test_operator_above_the_budget_fails(tmp_path, file, module, kind, number):
+    extra = "".join(EXTRA_CMP.format(i=i, **E_M) for i in range(number))
+    end = f"endmodule : {module}"
+    done, _ = count(tmp_path, "tiny", edited(tmp_path, file, end, extra + end))
+    assert done.returncode == 1
+    assert "CMP" in done.stderr and kind in done.stderr
+
+
+def test_operators_under_a_false_generate_do_not_count(tmp_path):
+    end = "endmodule : ti_trv_decide"
+    extra = "  if (StackDepth == 0) begin : gen_never\n" + EXTRA_CMP.format(i=0, **E_M) + "  end\n"
+    rtl = edited(tmp_path, "traverse/ti_trv_decide.sv", end, extra + end)
+    done, _ = count(tmp_path, "tiny", rtl)
+    assert done.returncode == 0, done.stderr
+
+
+def test_unreadable_design_is_named(tmp_path):
+    rtl = edited(tmp_path, "traverse/ti_trv_decide.sv", "endmodule : ti_trv_decide", "assign")
+    done, _ = count(tmp_path, "tiny", rtl)
+    assert done.returncode == 2
+    assert "ti_trv_decide.sv" in done.stdout + done.stderr
