@@ -14,6 +14,7 @@ FILE ?=
 OP ?=
 OUT ?=
 RAYS ?=
+IMAGE ?=
 SEED ?=
 LOG_RAY ?=
 TEST ?=
@@ -54,7 +55,7 @@ run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 # Only the program with the RTL as an engine is built for a configuration.
 ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
 needs = check-engine $(config)/config.json $(call ti,$(ENGINE)) $(filter $(knot),$(scene))
-common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED)) \
+common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED)) $(if $(IMAGE),--image $(IMAGE)) \
   $(if $(LOG_RAY),--log-ray $(LOG_RAY))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -72,6 +73,9 @@ render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= EN
 trace: need-RAYS $(needs) ## Hits of your own rays (RAYS=file.npy SCENE= CONFIG= ENGINE= OUT=)
 	@$(call ti,$(ENGINE)) trace --rays $(RAYS) --scene $(scene) $(common_args) \
 	  --out $(or $(OUT),build/trace/$(run_name))
+
+image: $(config)/config.json build/sw/ti $(filter $(knot),$(scene)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
+	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(or $(OUT),build/image/$(scene_name)-$(tag).tiim)
 
 hardcases: check-engine $(config)/config.json $(foreach e,$(case_engines),$(call ti,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
 	@$(foreach e,$(case_engines),$(call ti,$(e)) hardcases --file $(cases) \
@@ -136,4 +140,4 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE render trace hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format
+.PHONY: FORCE render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format

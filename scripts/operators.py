@@ -2,14 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Count the floating-point operators and the memory bits of the elaborated engine.
 
-Walks the instances of `ti_core` as the compiler slang elaborates them and sums, for each kind of unit,
-the instances of `ti_fp_add`, `ti_fp_mul`, `ti_fp_rcp` and `ti_fp_cmp` and the bits of everything that an
-`always_ff` assigns.  The operators stand beside the published core (Nah et al. 2011), whose counts for
-one unit are the budget; the memory beside its register files and first-level caches.
+Walks the instances of `ti_core` as the compiler slang elaborates them and sums, for each kind of
+unit, the instances of `ti_fp_add`, `ti_fp_mul`, `ti_fp_rcp` and `ti_fp_cmp` and the bits of
+everything that an `always_ff` assigns.  The operators stand beside the published core (Nah et al.
+2011), whose counts for one unit are the budget; the memory beside its register files and
+first-level caches.
 
-Exit status: 0 within the budget, 1 when a unit has more operators, 2 when the design cannot be read.
+Exit status: 0 within the budget, 1 when a unit has more operators, 2 when the design cannot be
+read.
 
-Usage: scripts/operators.py DIR [--rtl DIR] [--json FILE]; DIR is the folder that scripts/configure.py wrote.
+Usage: scripts/operators.py DIR [--rtl DIR] [--json FILE]
+DIR is the folder that scripts/configure.py wrote.
 """
 
 import argparse
@@ -79,14 +82,8 @@ def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymb
             include.append(rtl.parent / line.removeprefix("+incdir+"))
         else:
             sources.append(rtl.parent / line)
-    words = [
-        "slang",
-        "--top",
-        "ti_core",
-        "-DSYNTHESIS",
-        *(f"-I{path}" for path in include),
-        *sources,
-    ]
+    options = ["--top", "ti_core", "-DSYNTHESIS", *(f"-I{path}" for path in include)]
+    words = ["slang", *options, *sources]
     good = slang.parseCommandLine(" ".join(f'"{word}"' for word in words))
     if not (good and slang.processOptions() and slang.parseAllSources()):
         raise DesignError(f"{rtl}/ti.f: slang cannot read the sources")
@@ -203,8 +200,8 @@ def measure(top) -> dict[str, list[Unit]]:
 
 
 def excess(units: dict[str, list[Unit]]) -> list[str]:
-    """One sentence for each operator count above the published one, the first such unit of a kind."""
-    budgets = {heading: budget for heading, budget in UNITS.values()}
+    """One sentence for the first unit of a kind with more of an operator than is published."""
+    budgets = dict(UNITS.values())
     budgets[BETWEEN] = (0, 0, 0, 0)
     found = []
     for heading, instances in units.items():
@@ -222,7 +219,7 @@ def excess(units: dict[str, list[Unit]]) -> list[str]:
 def summary(units: dict[str, list[Unit]]) -> dict:
     """Counts by heading, as `--json` writes them; bits are bits."""
     names = list(OPERATORS.values())
-    budgets = {heading: budget for heading, budget in UNITS.values()}
+    budgets = dict(UNITS.values())
     kinds = {}
     for heading, instances in units.items():
         budget = budgets.get(heading, (0, 0, 0, 0))
@@ -266,8 +263,6 @@ def print_table(name: str, numbers: dict) -> None:
     for store, meaning in STORES.items():
         print(f"  {store:10} {meaning}")
 
-    files = sum(total["bits"][s] for s in REGISTER_FILES)
-    registers = total["bits"]["registers"]
     bits = total["bits"]
     files = sum(bits[s] for s in REGISTER_FILES)
     rows = [

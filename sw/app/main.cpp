@@ -11,6 +11,7 @@
 #include "app/ray_source.hpp"
 #include "app/run.hpp"
 #include "common/error.hpp"
+#include "io/file.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"
 #include "scene/rays.hpp"
@@ -66,6 +67,7 @@ void dump(const std::filesystem::path& folder, std::span<const ti::Hit> hits) {
 
 int render(const Arguments& arguments) {
   const Size size = parse_size(arguments.size);
+  ti::check_folder(arguments.run.out);
   if (arguments.effects != "none") {
     throw Error(fmt::format("EFFECTS={}: only EFFECTS=none (primary rays) is there so far", arguments.effects));
   }
@@ -93,6 +95,7 @@ int render(const Arguments& arguments) {
 
 int trace(const Arguments& arguments) {
   const ti::RaySource source = ti::parse_ray_source(arguments.rays);
+  ti::check_folder(arguments.run.out);
   std::vector<ti::Ray> rays;
   if (!source.file.empty()) rays = ti::load_rays(source.file);
   const ti::Session session(arguments.run, load(arguments));
@@ -108,11 +111,24 @@ int trace(const Arguments& arguments) {
   return outcome.good() ? kGood : kChecksFailed;
 }
 
+int image(const Arguments& arguments) {
+  const std::filesystem::path& file = arguments.run.out;
+  ti::check_folder(file.parent_path());
+  const ti::Session session(arguments.run, load(arguments));
+  const auto bytes = session.image().bytes();
+  ti::write_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  fmt::print("{}: {} bytes\n", file.string(), bytes.size());
+  return kGood;
+}
+
 int hardcases(const Arguments& arguments) {
   const auto cases = ti::load_hardcases(arguments.cases_file);
   const ti::Config& config = arguments.run.config;
   std::uint64_t mismatches = 0;
   const auto one = [&](const ti::Mesh& mesh, const ti::Ray& ray) {
+    if (arguments.run.engine == EngineKind::Embree) {
+      return ti::Truth(mesh, config.format).trace(std::span(&ray, 1)).front();
+    }
     ti::BuildOptions build;
     build.format = config.format;
     ti::BuildStats stats;
@@ -124,7 +140,7 @@ int hardcases(const Arguments& arguments) {
     const auto engine = arguments.run.engine == EngineKind::Rtl ? ti::make_rtl_engine(image, config, *model, rtl)
                                                                 : ti::make_model_engine(*model);
     const auto result = engine->trace(std::span(&ray, 1));
-    mismatches += result.lock_step.mismatches + result.lost + result.duplicated;
+    mismatches += result.lock_step.mismatches + result.lost + result.duplicated + (result.lock_step.work_differs ? 1 : 0);
     return ti::hit_of(config.format, result.hits[0]);
   };
   const int failures = ti::run_hardcases(cases, one, config.format);
@@ -132,12 +148,26 @@ int hardcases(const Arguments& arguments) {
   return failures == 0 && mismatches == 0 ? kGood : kChecksFailed;
 }
 
-void add_common(CLI::App& command, Arguments& arguments) {
-  static const std::map<std::string, EngineKind> kEngines{
-      {"rtl", EngineKind::Rtl}, {"model", EngineKind::Model}, {"embree", EngineKind::Embree}};
+/// An option whose value is one of a few words.
+template <typename T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target, const std::map<std::string, T>& choices) {
+  std::string words;
+  for (const auto& [word, value] : choices) words += (words.empty() ? "" : ", ") + word;
+  const auto choose = [name, &target, choices, words](const std::string& word) {
+    const auto found = choices.find(word);
+    if (found == choices.end()) throw Error(fmt::format("{} {}: no such choice; there are {}", name, word, words));
+    target = found->second;
+  };
+  return command.add_option_function<std::string>(name, choose, words);
+}
+
+void add_config(CLI::App& command, Arguments& arguments) {
   command.add_option("--config", arguments.config_file, "config.json of the configuration")->required();
-  command.add_option("--engine", arguments.run.engine, "rtl, model or embree")
-      ->transform(CLI::CheckedTransformer(kEngines));
+}
+
+void add_engine(CLI::App& command, Arguments& arguments) {
+  add_choice<EngineKind>(command, "--engine", arguments.run.engine,
+                         {{"rtl", EngineKind::Rtl}, {"model", EngineKind::Model}, {"embree", EngineKind::Embree}});
   ti::RtlOptions& rtl = arguments.run.rtl;
   command.add_option("--mem-latency", rtl.memory_latency, "cycles from a line request to its answer")
       ->check(CLI::Range(1, 1000000));
@@ -151,10 +181,17 @@ void add_common(CLI::App& command, Arguments& arguments) {
   command.add_flag("!--no-truth", arguments.run.truth, "do not compare with Embree and exact arithmetic");
 }
 
-void add_scene(CLI::App& command, Arguments& arguments) {
-  static const std::map<std::string, ti::Layout> kLayouts{{"odfl", ti::Layout::Odfl}, {"dfl", ti::Layout::Dfl}};
+CLI::Option* add_scene(CLI::App& command, Arguments& arguments) {
   command.add_option("--scene", arguments.run.scene, "glTF, OBJ, PLY or .ply.zst")->required();
-  command.add_option("--layout", arguments.run.layout, "odfl or dfl")->transform(CLI::CheckedTransformer(kLayouts));
+  return add_choice<ti::Layout>(command, "--layout", arguments.run.layout,
+                                {{"odfl", ti::Layout::Odfl}, {"dfl", ti::Layout::Dfl}});
+}
+
+void add_run(CLI::App& command, Arguments& arguments) {
+  add_config(command, arguments);
+  add_engine(command, arguments);
+  CLI::Option* layout = add_scene(command, arguments);
+  command.add_option("--image", arguments.run.image, "memory image of the scene, in place of building one")->excludes(layout);
   command.add_option("--out", arguments.run.out, "folder for what is written")->required();
   command.add_option("--seed", arguments.seed, "of the rays");
   command.add_option("--log-ray", arguments.run.log_ray, "number of a ray whose steps are written, by model and RTL");
@@ -163,23 +200,27 @@ void add_scene(CLI::App& command, Arguments& arguments) {
 
 int run(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app{"Traversal and intersection engine: render, trace, hard cases"};
+  CLI::App app{"Traversal and intersection engine: render, trace, image, hard cases"};
   app.require_subcommand(1);
 
   CLI::App* render_command = app.add_subcommand("render", "trace a picture and write a PNG and a report");
-  add_common(*render_command, arguments);
-  add_scene(*render_command, arguments);
+  add_run(*render_command, arguments);
   render_command->add_option("--size", arguments.size, "WIDTHxHEIGHT");
   render_command->add_option("--spp", arguments.spp, "rays a pixel");
   render_command->add_option("--effects", arguments.effects, "none");
 
   CLI::App* trace_command = app.add_subcommand("trace", "trace rays and write hits.npy, prims.npy, report.json");
-  add_common(*trace_command, arguments);
-  add_scene(*trace_command, arguments);
+  add_run(*trace_command, arguments);
   trace_command->add_option("--rays", arguments.rays, "rays.npy, float32 [N,8], or KIND:COUNT to make them")->required();
 
+  CLI::App* image_command = app.add_subcommand("image", "build the tree of a scene and write its memory image");
+  add_config(*image_command, arguments);
+  add_scene(*image_command, arguments);
+  image_command->add_option("--out", arguments.run.out, "file to write, .tiim")->required();
+
   CLI::App* cases_command = app.add_subcommand("hardcases", "trace and judge a file of hard cases");
-  add_common(*cases_command, arguments);
+  add_config(*cases_command, arguments);
+  add_engine(*cases_command, arguments);
   cases_command->add_option("--file", arguments.cases_file, "cases, one JSON object a line")->required();
 
   try {
@@ -192,6 +233,7 @@ int run(int argc, char** argv) {
   arguments.run.config = ti::load_config(arguments.config_file);
   if (render_command->parsed()) return render(arguments);
   if (trace_command->parsed()) return trace(arguments);
+  if (image_command->parsed()) return image(arguments);
   return hardcases(arguments);
 }
 

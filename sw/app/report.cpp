@@ -22,10 +22,13 @@ const char* name_of(EngineKind kind) {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : 0.0; }
 
-ordered_json tree_json(const BuildStats& tree) {
+ordered_json tree_json(const Session& session) {
+  const BuildStats& tree = session.tree();
+  const bool built = session.options().image.empty();
+  const auto when_built = [built](double value) { return built ? ordered_json(value) : ordered_json(nullptr); };
   return {{"nodes", tree.nodes},       {"leaves", tree.leaves},           {"empty_leaves", tree.empty_leaves},
           {"depth", tree.depth},       {"references", tree.references},   {"largest_leaf", tree.largest_leaf},
-          {"sah_cost", tree.sah_cost}, {"build_seconds", tree.seconds},   {"dropped_zero_area", tree.dropped_zero_area},
+          {"sah_cost", when_built(tree.sah_cost)}, {"build_seconds", when_built(tree.seconds)},   {"dropped_zero_area", tree.dropped_zero_area},
           {"dropped_nonfinite", tree.dropped_nonfinite}};
 }
 
@@ -38,6 +41,10 @@ ordered_json check_json(const Session::Outcome& outcome) {
   check["truth_unexplained"] = outcome.truth ? ordered_json(outcome.truth->unexplained) : ordered_json(nullptr);
   check["lost"] = outcome.engine.lost;
   check["duplicated"] = outcome.engine.duplicated;
+  check["status"] = {{"ok", outcome.with_status(Status::Ok)},
+                     {"invalid_ray", outcome.with_status(Status::InvalidRay)},
+                     {"memory_error", outcome.with_status(Status::MemoryError)},
+                     {"watchdog", outcome.with_status(Status::Watchdog)}};
   if (outcome.truth) {
     const TruthReport& truth = *outcome.truth;
     check["truth"] = {{"agree", truth.agree}, {"embree_wrong", truth.embree_wrong}, {"tie", truth.tie},
@@ -81,6 +88,15 @@ ordered_json machine_json(const Session& session, const Session::Outcome& outcom
   return json;
 }
 
+void print_status(const Session::Outcome& outcome, std::size_t rays) {
+  const auto line = [&outcome, rays](Status status, const char* what) {
+    if (const auto count = outcome.with_status(status); count != 0) fmt::print("status:  {} of {} rays {}\n", count, rays, what);
+  };
+  line(Status::InvalidRay, "are invalid: a number that is not finite, or no direction");
+  line(Status::MemoryError, "ended with an error of the memory");
+  line(Status::Watchdog, "were ended by the watchdog");
+}
+
 void print_summary(const Session& session, const Session::Outcome& outcome, std::size_t rays) {
   const double n = static_cast<double>(rays);
   const Work& work = outcome.engine.work;
@@ -117,6 +133,7 @@ void print_summary(const Session& session, const Session::Outcome& outcome, std:
   } else if (outcome.engine.rtl) {
     fmt::print("model:   not compared; {} lost, {} duplicated\n", outcome.engine.lost, outcome.engine.duplicated);
   }
+  print_status(outcome, rays);
   if (outcome.truth) {
     const TruthReport& truth = *outcome.truth;
     fmt::print("truth:   {} agree, {} ties, {} at an edge, {} grazing, {} where exact arithmetic overrules Embree, {} "
@@ -147,7 +164,7 @@ void report(const Session& session, const Session::Outcome& outcome, std::size_t
                                       : ordered_json(nullptr)},
                  {"rays_per_s", ratio(static_cast<double>(rays), seconds)}};
   json["memory"] = {{"latency", options.rtl.memory_latency}, {"bytes_per_cycle", options.rtl.memory_bytes_per_cycle}};
-  json["tree"] = tree_json(session.tree());
+  json["tree"] = tree_json(session);
   json["image_bytes"] = session.image().bytes().size();
   write_file(folder / "report.json", json.dump(2) + "\n");
   print_summary(session, outcome, rays);

@@ -3,8 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 
+#include "app/stored_image.hpp"
 #include "common/error.hpp"
 #include "io/file.hpp"
 
@@ -12,26 +14,46 @@ namespace ti {
 namespace {
 
 Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
+  if (!options.image.empty()) return load_image_of(options.image, scene.mesh, options.config.format, options.scene, stats);
   BuildOptions build_options;
   build_options.format = options.config.format;
   build_options.layout = options.layout;
-  Image image = build_image(scene.mesh, build_options, stats);
+  try {
+    return build_image(scene.mesh, build_options, stats);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", options.scene.string(), error.what()));
+  }
+}
+
+Image prepare(const Scene& scene, const RunOptions& options, BuildStats& stats) {
+  Image image = build(scene, options, stats);
+  if (stats.triangles != 0 && stats.dropped_nonfinite + stats.dropped_zero_area == stats.triangles) {
+    throw Error(fmt::format("{}: none of its {} triangles is usable ({} not finite, {} of zero area); correct the mesh",
+                            options.scene.string(), stats.triangles, stats.dropped_nonfinite, stats.dropped_zero_area));
+  }
   for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
   if (const std::string warning = dropped_warning(stats); !warning.empty()) fmt::print("warning: {}\n", warning);
-  fmt::print("tree: {} triangles, {} nodes, {} leaves ({} empty), {:.2f} references a triangle, depth {}, {:.2f} s\n",
+  fmt::print("tree: {} triangles, {} nodes, {} leaves ({} empty), {:.2f} references a triangle, depth {}, {}\n",
              stats.triangles, stats.nodes, stats.leaves, stats.empty_leaves,
-             stats.triangles ? static_cast<double>(stats.references) / stats.triangles : 0.0, stats.depth, stats.seconds);
+             stats.triangles ? static_cast<double>(stats.references) / stats.triangles : 0.0, stats.depth,
+             options.image.empty() ? fmt::format("{:.2f} s", stats.seconds) : "from " + options.image.string());
   return image;
 }
 
 }  // namespace
 
 Session::Session(const RunOptions& options, Scene scene)
-    : options_(options), scene_(std::move(scene)), image_(build(scene_, options_, stats_)) {}
+    : options_(options), scene_(std::move(scene)), image_(prepare(scene_, options_, stats_)) {}
+
+std::uint64_t Session::Outcome::with_status(Status status) const {
+  return static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [status](const Hit& hit) { return hit.status == status; }));
+}
 
 bool Session::Outcome::good() const {
   return engine.lost == 0 && engine.duplicated == 0 && engine.lock_step.mismatches == 0 &&
-         !engine.lock_step.work_differs && (!truth || truth->unexplained == 0);
+         !engine.lock_step.work_differs && (!truth || truth->unexplained == 0) &&
+         with_status(Status::MemoryError) == 0 && with_status(Status::Watchdog) == 0;
 }
 
 std::unique_ptr<Tracer> Session::model() const {

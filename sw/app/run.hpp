@@ -19,6 +19,7 @@ enum class EngineKind { Rtl, Model, Embree };
 struct RunOptions {
   Config config;
   std::filesystem::path scene;
+  std::filesystem::path image;  ///< memory image in place of a tree that is built; empty: build
   EngineKind engine = EngineKind::Rtl;
   Layout layout = Layout::Odfl;
   RtlOptions rtl;
@@ -30,7 +31,8 @@ struct RunOptions {
 /// A scene with its tree and the engine that traces it.
 class Session {
  public:
-  /// Loads and builds; prints one line on each. Throws `Error`.
+  /// Builds the tree, or loads its image, and prints a line on it. Throws `Error`, also for a mesh that has triangles of which
+  /// none is usable.
   Session(const RunOptions& options, Scene scene);
 
   struct Outcome {
@@ -39,7 +41,9 @@ class Session {
     std::optional<TruthReport> truth;  ///< none when switched off or for Embree
     double seconds = 0.0;
 
-    /// No mismatch, nothing unexplained, lost or duplicated.
+    /// Rays that retired with this status.
+    [[nodiscard]] std::uint64_t with_status(Status status) const;
+    /// No mismatch, nothing unexplained, lost or duplicated, no ray ended by the memory or the watchdog.
     [[nodiscard]] bool good() const;
   };
   [[nodiscard]] Outcome trace(std::span<const Ray> rays) const;

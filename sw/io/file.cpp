@@ -63,4 +63,20 @@ void write_file(const fs::path& path, std::string_view bytes) {
   }
 }
 
+void check_folder(const fs::path& folder) {
+  std::error_code ec;
+  fs::path place = folder.empty() ? fs::path(".") : folder;
+  while (!fs::exists(place, ec)) {
+    place = place.has_parent_path() ? place.parent_path() : fs::path(".");
+  }
+  if (!fs::is_directory(place, ec)) {
+    throw Error(fmt::format("{}: the folder cannot be made, as {} is a file; choose another place",
+                            folder.string(), place.string()));
+  }
+  if (access(place.c_str(), W_OK | X_OK) != 0) {
+    throw Error(fmt::format("{}: nothing can be written in {}; check its permissions",
+                            folder.string(), place.string()));
+  }
+}
+
 }  // namespace ti

@@ -15,4 +15,7 @@ namespace ti {
 /// Throws `Error` and leaves no temporary file.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
+/// Throws `Error` when `folder` neither is nor can become a folder to write in. Makes nothing.
+void check_folder(const std::filesystem::path& folder);
+
 }  // namespace ti

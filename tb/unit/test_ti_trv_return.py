@@ -209,7 +209,7 @@ async def tell(dut, stories, p_ready=1.0, p_gap=0.0):
 
 def random_story(rng):
     n = numbers()
-    times = [*n.vec((0.5, 1.0, 2.0, 3.0)), n.one + 1, n.one - 1, 0, n.sign, n.inf - 1]
+    times = [*n.vec((0.5, 1.0, 2.0, 3.0)), n.one + 1, n.one - 1, 0, n.inf - 1]
     times.append(rng.getrandbits(n.width - 1) % n.inf)
 
     def token():

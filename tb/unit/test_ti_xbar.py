@@ -29,7 +29,7 @@ def ends(dut, xbar):
 async def receive_all(sinks, counts, ready=lambda: 1):
     """Take `counts[o]` beats from output o, all at the same time."""
     tasks = [
-        cocotb.start_soon(sink.receive(count, ready))
+        cocotb.start_soon(sink.receive(count, ready, patience=500))
         for sink, count in zip(sinks, counts, strict=True)
     ]
     await Combine(*tasks)

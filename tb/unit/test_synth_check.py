@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The engine is clean for a synthesis tool, and `scripts/synth_check.py` sees what is not."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import pytest
+from agents.bench import ROOT
+from configure import configure
+
+
+def check(folder, *arguments, rtl=ROOT / "rtl"):
+    """Run the script on the configuration tiny; the finished process."""
+    configure("tiny", [], folder / "config")
+    command = [sys.executable, ROOT / "scripts/synth_check.py", folder / "config", "--rtl", rtl]
+    return subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
+
+
+def with_line(folder, line):
+    """A copy of the RTL with one more line in `ti_fifo`."""
+    rtl = folder / "rtl"
+    shutil.copytree(ROOT / "rtl", rtl)
+    file = rtl / "common/ti_fifo.sv"
+    end = "endmodule : ti_fifo"
+    text = file.read_text()
+    assert text.count(end) == 1
+    file.write_text(text.replace(end, line + end))
+    return rtl
+
+
+def test_engine_is_clean(tmp_path):
+    done = check(tmp_path, "--quick", "--unit", "ti_core")
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize(
+    "line, word",
+    [
+        ("logic held;\nalways_latch if (in_valid_i) held = out_ready_i;\n", "latch"),
+        ("wire here, there;\nassign here = there & pop;\nassign there = here | push;\n", "loop"),
+        ("wire twice;\nassign twice = pop;\nassign twice = push;\n", "driver"),
+        ("logic late;\nassign late = early;\nlogic early;\nassign early = pop;\n", "declar"),
+    ],
+)
+def test_fault_is_reported(tmp_path, line, word):
+    rtl = with_line(tmp_path, line)
+    done = check(tmp_path, "--quick", "--unit", "ti_fifo", rtl=rtl)
+    assert done.returncode == 1, done.stdout
+    assert word in done.stdout
+
+
+def test_every_ram_has_a_clocked_read(tmp_path):
+    out = tmp_path / "out.json"
+    done = check(tmp_path, "--unit", "ti_trv_return", "--json", out)
+    assert done.returncode == 0, done.stdout
+    rams = {m["name"]: m for m in json.loads(out.read_text())["memories"]}
+    for name in ("u_start", "u_park", "u_best", "u_tbest"):
+        assert rams[f"{name}.mem_q"]["clocked_read"], name
+
+
+def test_unknown_unit_is_named(tmp_path):
+    done = check(tmp_path, "--unit", "ti_nothing")
+    assert done.returncode == 2
+    assert "ti_nothing" in done.stderr
