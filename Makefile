@@ -96,6 +96,15 @@ sim: check-unit model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED
 waves: check-unit model ## The same with an FST, opened in a viewer (UNIT= TEST=)
 	@WAVES=1 pytest tb/unit/test_$(UNIT).py; status=$$?; scripts/show_waves.sh $(UNIT); exit $$status
 
+operators: $(config)/config.json ## FP operators and memory bits of CONFIG= beside the published core (OUT=file.json)
+	@python scripts/operators.py $(config) $(if $(OUT),--json $(OUT))
+
+synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
+	@python scripts/synth_check.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(OUT),--json $(OUT))
+
+mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name)
+	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)')
+
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh
 
@@ -103,6 +112,9 @@ format: build/setup.stamp ## Lay out RTL, C++ and Python
 	@verible-verilog-format --flagfile=lint/verible-format.flags --inplace $$(find rtl tb sim -name '*.sv')
 	@clang-format -i $$(find sw sim tb -name '*.cpp' -o -name '*.hpp')
 	@ruff format --quiet && ruff check --quiet --fix
+
+tree-table: build/sw/ti $(config)/config.json ## Tree statistics of the papers' scenes beside the published ones
+	@python scripts/tree_table.py build/sw/ti $(config)/config.json $(or $(SCENES),../shared/scenes)
 
 ##@ House
 setup: ## Install what is missing (apt, Python in build/venv)
@@ -128,7 +140,8 @@ check-unit: need-UNIT
 	  $(sort $(patsubst tb/unit/test_%.py,%,$(wildcard tb/unit/test_*.py))) >&2; exit 2; }
 
 check-format:
-	@[[ "$(FORMAT)" =~ ^[0-9]+,[0-9]+$$ ]] || { echo "FORMAT=$(FORMAT): not E,M as in 8,23" >&2; exit 2; }
+	@[[ "$(FORMAT)" =~ ^[3-8],([2-9]|1[0-9]|2[0-3])$$ ]] || \
+	  { echo "FORMAT=$(FORMAT): not E,M with E from 3 to 8 and M from 2 to 23, as in 8,23" >&2; exit 2; }
 
 # Also when this folder has moved, since Python environments hold its path.
 build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-packages.txt requirements.txt \
@@ -140,4 +153,4 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format
+.PHONY: FORCE operators synth mutants tree-table render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format

@@ -104,7 +104,7 @@ class Synthesis:
         )
         if good:
             return []
-        problems = re.findall(r"^(?:Warning|ERROR): .*(?:\n {4}.*)*|^\S*: error: .*", text, re.M)
+        problems = re.findall(r"^(?:Warning|ERROR): .*(?:\n {4}.*)*|^\S+:\d+: ERROR: .*", text, re.M)
         latches = text.partition("Running command `select -list")[2].partition("\n-- ")[0]
         problems += [f"latch {line}" for line in latches.splitlines() if re.match(r"\w+/", line)]
         return list(dict.fromkeys(problems)) or [text.strip().rpartition("\n")[2]]
@@ -204,7 +204,8 @@ def main() -> int:
         return 1 if bad else 0
 
     memories = synthesis.memories(unit or "ti_core")
-    print_memories(memories)
+    if memories:
+        print_memories(memories)
     cells = {module: synthesis.cells(module) for module in ([unit] if unit else OPERATORS)}
     print_cells(cells)
     if arguments.json:

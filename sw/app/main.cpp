@@ -97,7 +97,10 @@ int trace(const Arguments& arguments) {
   const ti::RaySource source = ti::parse_ray_source(arguments.rays);
   ti::check_folder(arguments.run.out);
   std::vector<ti::Ray> rays;
-  if (!source.file.empty()) rays = ti::load_rays(source.file);
+  if (!source.file.empty()) {
+    rays = ti::load_rays(source.file);
+    if (rays.empty()) throw Error(fmt::format("{}: the array holds no ray; give one ray a row", source.file));
+  }
   const ti::Session session(arguments.run, load(arguments));
   if (source.file.empty()) {
     rays = ti::make_rays(source, session.scene(), *session.model(), arguments.run.config.format, arguments.seed);

@@ -184,10 +184,10 @@ Scene load_scene(const fs::path& path) {
   if (fs::is_directory(path, ec)) {
     throw Error(file + ": this is a folder; name a scene file in it");
   }
-  const Form form = form_of(path);
   if (!fs::exists(path, ec)) {
     throw Error(file + ": there is no such file; check the path");
   }
+  const Form form = form_of(path);
   Import import = import_file(path);
   Scene& scene = import.scene;
   scene.name = path.stem().string();

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Run the programs and the Makefile as a user does, and read what they leave."""
+
+import json
+import os
+import re
+import subprocess
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENES = ROOT / "scenes"
+KNOT = ROOT / "build/scenes/knot.ply"
+BENCHMARKS = ROOT.parent / "shared/scenes"
+PATIENCE = 600  # seconds for one program
+
+
+@dataclass(frozen=True)
+class Run:
+    """One finished program; `out` is the folder that it was told to write in."""
+
+    status: int
+    stdout: str
+    stderr: str
+    command: str
+    out: Path | None = None
+
+    def read(self, name):
+        return (self.out / name).read_bytes()
+
+    @cached_property
+    def report(self):
+        return json.loads(self.read("report.json"))
+
+    @cached_property
+    def prims(self):
+        return np.load(self.out / "prims.npy")
+
+    @cached_property
+    def hits(self):
+        return np.load(self.out / "hits.npy")
+
+    def good(self):
+        """This run, which must have ended well."""
+        assert self.status == 0, self._told()
+        return self
+
+    def failed_its_checks(self):
+        """This run, which must have ended with status 1: it worked, but its results are not right."""
+        assert self.status == 1, self._told()
+        return self
+
+    def refused(self, *words):
+        """Check for bad input: one sentence with `words`, status 2, nothing written."""
+        lines = [line for line in self.stderr.splitlines() if not line.startswith("make")]
+        assert self.status == 2, self._told()
+        assert len(lines) == 1, self._told()
+        assert not re.search(r"unexpected:|Traceback|terminate|Error:", self.stderr), self._told()
+        missing = [word for word in words if word not in lines[0]]
+        assert not missing, f"does not say {missing}\n{self._told()}"
+        assert self.out is None or not self.out.exists(), f"left {list(self.out.iterdir())}"
+
+    def _told(self):
+        return f"{self.command}\nstatus {self.status}\n{self.stdout}{self.stderr}"
+
+
+def call(command, out=None, **environment):
+    """Run a command from the root of the project."""
+    finished = subprocess.run(
+        [str(word) for word in command],
+        cwd=ROOT,
+        env=_environment() | environment,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=PATIENCE,
+        check=False,
+    )
+    text = " ".join(str(word) for word in command)
+    return Run(finished.returncode, finished.stdout, finished.stderr, text, out)
+
+
+def make(target, out=None, **variables):
+    """`make TARGET NAME=value ...`; `out` becomes OUT."""
+    values = variables | ({} if out is None else {"OUT": out})
+    return call(["make", target, *(f"{name}={value}" for name, value in values.items())], out)
+
+
+class Program:
+    """`ti` with the RTL of one configuration, or (`rtl` false) without any."""
+
+    def __init__(self, config, rtl=True):
+        self.config = ROOT / f"build/{config}/config/config.json"
+        self.path = ROOT / ("build/sw/ti" if not rtl else f"build/{config}/ti")
+        self._engine = "rtl" if rtl else "model"
+
+    def run(self, command, *arguments, config=None):
+        return call([self.path, command, "--config", config or self.config, *arguments])
+
+    def trace(self, out, scene, rays, *options, **named):
+        """`ti trace`; `engine` and `config` can be named."""
+        return self._run("trace", out, scene, ["--rays", rays, *options], **named)
+
+    def render(self, out, scene, *options, **named):
+        return self._run("render", out, scene, options, **named)
+
+    def _run(self, command, out, scene, options, engine=None, config=None):
+        words = ["--engine", engine or self._engine, "--scene", scene, "--out", out]
+        words += ["--no-progress", *options]
+        return call([self.path, command, "--config", config or self.config, *words], out)
+
+
+def _environment():
+    """Ours, without what a `make` above would hand on to the one that a test starts."""
+    made = re.findall(r"^(\w+) \?=", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    drop = {*made, "MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES"}
+    return {name: value for name, value in os.environ.items() if name not in drop}

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds, once in a run, of what the tests of whole programs drive."""
+
+import fcntl
+
+import pytest
+from agents.program import BENCHMARKS, KNOT, ROOT, SCENES, Program, make
+
+
+def built(*targets, **variables):
+    """Let the Makefile build; one process of a parallel run at a time."""
+    lock = ROOT / "build/system.lock"
+    lock.parent.mkdir(exist_ok=True)
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        for target in targets:
+            run = make(target, **variables)
+            if run.status != 0:
+                pytest.fail(f"{run.command}\n{run.stdout}{run.stderr}", pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def ti():
+    """`ti` without RTL, for the configuration tiny."""
+    built("build/sw/ti", "build/tiny/config/config.json", CONFIG="tiny")
+    return Program("tiny", rtl=False)
+
+
+@pytest.fixture(scope="session")
+def tiny():
+    """`ti` with the RTL of the configuration tiny."""
+    built("engine", CONFIG="tiny")
+    return Program("tiny")
+
+
+@pytest.fixture(scope="session")
+def small():
+    """`ti` with the RTL of the configuration small."""
+    built("engine", CONFIG="small")
+    return Program("small")
+
+
+@pytest.fixture(params=["tiny", "small"])
+def engine(request):
+    """`ti` with RTL, one configuration after the other."""
+    return request.getfixturevalue(request.param)
+
+
+@pytest.fixture(scope="session")
+def knot():
+    """The large scene that the project makes."""
+    built("build/scenes/knot.ply")
+    return KNOT
+
+
+@pytest.fixture(params=["cornell", "knot"])
+def scene(request):
+    """A small scene and a large one."""
+    return SCENES / "cornell.gltf" if request.param == "cornell" else request.getfixturevalue("knot")
+
+
+@pytest.fixture
+def benchmark():
+    """A function that gives a scene of the archive by its name, or skips."""
+
+    def find(name):
+        path = BENCHMARKS / f"{name}.ply.zst"
+        if not path.is_file():
+            pytest.skip(f"{path.name} is not in ../shared/scenes")
+        return path
+
+    return find
+
+
+@pytest.fixture
+def out(tmp_path):
+    """A folder that does not exist yet."""
+    return tmp_path / "out"
