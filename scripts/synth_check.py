@@ -104,7 +104,9 @@ class Synthesis:
         )
         if good:
             return []
-        problems = re.findall(r"^(?:Warning|ERROR): .*(?:\n {4}.*)*|^\S+:\d+: ERROR: .*", text, re.M)
+        problems = re.findall(
+            r"^(?:Warning|ERROR): .*(?:\n {4}.*)*|^\S+:\d+: ERROR: .*", text, re.M
+        )
         latches = text.partition("Running command `select -list")[2].partition("\n-- ")[0]
         problems += [f"latch {line}" for line in latches.splitlines() if re.match(r"\w+/", line)]
         return list(dict.fromkeys(problems)) or [text.strip().rpartition("\n")[2]]

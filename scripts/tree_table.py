@@ -31,14 +31,25 @@ PUBLISHED = {
 def measure(ti, config, scene, kind, count):
     """The report of `count` rays of `kind` on the model."""
     with tempfile.TemporaryDirectory() as out:
-        command = [ti, "trace", "--rays", f"{kind}:{count}", "--scene", str(scene), "--config", config]
+        command = [
+            ti,
+            "trace",
+            "--rays",
+            f"{kind}:{count}",
+            "--scene",
+            str(scene),
+            "--config",
+            config,
+        ]
         command += ["--engine", "model", "--no-truth", "--out", out]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         return json.loads((Path(out) / "report.json").read_text())
 
 
 def main(ti, config, folder, count="200000"):
-    print(f"{'scene':14} {'rays':8} {'steps':>12} {'leaves':>11} {'full':>11} {'tests':>11} {'build s':>8}")
+    print(
+        f"{'scene':14} {'rays':8} {'steps':>12} {'leaves':>11} {'full':>11} {'tests':>11} {'build s':>8}"
+    )
     for (name, kind), published in PUBLISHED.items():
         scene = Path(folder) / f"{name}.ply.zst"
         if not scene.is_file():
@@ -48,7 +59,10 @@ def main(ti, config, folder, count="200000"):
         ray = report["per_ray"]
         ours = (ray["steps"] - ray["leaves"], ray["leaves"], ray["full_leaves"], ray["tests"])
         theirs = published or ("-",) * 4
-        cells = " ".join(f"{a:5.1f} /{b:>4}".rjust(w) for a, b, w in zip(ours, theirs, (12, 11, 11, 11), strict=True))
+        cells = " ".join(
+            f"{a:5.1f} /{b:>4}".rjust(w)
+            for a, b, w in zip(ours, theirs, (12, 11, 11, 11), strict=True)
+        )
         print(f"{name:14} {kind:8} {cells} {report['tree']['build_seconds']:8.2f}")
 
 

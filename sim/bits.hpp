@@ -16,7 +16,8 @@ class Packer {
     for (int done = 0; done < width;) {
       const int bit = position_ % 32;
       const int take = width - done < 32 - bit ? width - done : 32 - bit;
-      const auto part = static_cast<std::uint32_t>((value >> done) & ((std::uint64_t{1} << take) - 1));
+      const auto part =
+          static_cast<std::uint32_t>((value >> done) & ((std::uint64_t{1} << take) - 1));
       words_[position_ / 32] |= part << bit;
       position_ += take;
       done += take;
@@ -32,7 +33,8 @@ class Packer {
 /// Reads the fields of a packed struct from a wide Verilator port, last field first.
 class Unpacker {
  public:
-  explicit Unpacker(const std::uint32_t* words, int position = 0) : words_(words), position_(position) {}
+  explicit Unpacker(const std::uint32_t* words, int position = 0)
+      : words_(words), position_(position) {}
 
   [[nodiscard]] std::uint64_t get(int width) {
     std::uint64_t value = 0;

@@ -11,14 +11,14 @@ namespace ti::sim {
 
 /// A memory of fixed latency and bandwidth that holds an image at `kBase`; answers whole lines.
 ///
-/// Lines that do not touch the image are answered with an error, as is each n-th line when the settings say so. With stalls,
-/// answers that are due come in random order.
+/// Lines that do not touch the image are answered with an error, as is each n-th line when the
+/// settings say so. With stalls, answers that are due come in random order.
 class Memory {
  public:
   static constexpr std::uint64_t kBase = 0x100000;  ///< a multiple of every line size
 
   struct Settings {
-    int latency = 100;             ///< cycles
+    int latency = 100;  ///< cycles
     double bytes_per_cycle = 64.0;
     int line_bytes = 64;
     std::uint64_t error_every = 0;  ///< 0: never
@@ -31,16 +31,22 @@ class Memory {
     bool error;
   };
 
-  Memory(std::span<const std::uint8_t> image, const Settings& settings) : image_(image), settings_(settings) {}
+  Memory(std::span<const std::uint8_t> image, const Settings& settings)
+      : image_(image), settings_(settings) {}
 
   /// Takes a request in cycle `now`.
   void request(std::uint64_t now, std::uint32_t id, std::uint64_t address) {
-    const double start = static_cast<double>(now) > port_free_ ? static_cast<double>(now) : port_free_;
+    const double start =
+        static_cast<double>(now) > port_free_ ? static_cast<double>(now) : port_free_;
     port_free_ = start + settings_.line_bytes / settings_.bytes_per_cycle;
     ++requests_;
-    const bool inside = address + static_cast<std::uint64_t>(settings_.line_bytes) > kBase && address < kBase + image_.size();
-    const bool error = !inside || (settings_.error_every != 0 && requests_ % settings_.error_every == 0);
-    waiting_.push_back({static_cast<std::uint64_t>(start) + static_cast<std::uint64_t>(settings_.latency), {id, address, error}});
+    const bool inside = address + static_cast<std::uint64_t>(settings_.line_bytes) > kBase &&
+                        address < kBase + image_.size();
+    const bool error =
+        !inside || (settings_.error_every != 0 && requests_ % settings_.error_every == 0);
+    waiting_.push_back(
+        {static_cast<std::uint64_t>(start) + static_cast<std::uint64_t>(settings_.latency),
+         {id, address, error}});
   }
 
   /// An answer that is due in cycle `now`.
@@ -66,7 +72,9 @@ class Memory {
     }
   }
 
-  [[nodiscard]] std::uint64_t bytes() const { return requests_ * static_cast<std::uint64_t>(settings_.line_bytes); }
+  [[nodiscard]] std::uint64_t bytes() const {
+    return requests_ * static_cast<std::uint64_t>(settings_.line_bytes);
+  }
 
  private:
   struct Waiting {

@@ -14,12 +14,14 @@ namespace ti::sim {
 /// A bar with rays/s and cycles/s on a terminal; a line every ten seconds elsewhere.
 class Progress {
  public:
-  Progress(std::uint64_t total, bool on) : total_(total), on_(on), terminal_(isatty(STDERR_FILENO) != 0) {}
+  Progress(std::uint64_t total, bool on)
+      : total_(total), on_(on), terminal_(isatty(STDERR_FILENO) != 0) {}
 
   void update(std::uint64_t done, std::uint64_t cycles) {
     if (!on_) return;
     const auto now = Clock::now();
-    if (now - shown_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(10))) return;
+    if (now - shown_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(10)))
+      return;
     shown_ = now;
     show(done, cycles);
     if (!terminal_) fmt::print(stderr, "\n");
@@ -31,19 +33,23 @@ class Progress {
     fmt::print(stderr, "\n");
   }
 
-  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(Clock::now() - begin_).count();
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void show(std::uint64_t done, std::uint64_t cycles) const {
     constexpr std::size_t kWidth = 30;
-    const double share = total_ == 0 ? 1.0 : static_cast<double>(done) / static_cast<double>(total_);
+    const double share =
+        total_ == 0 ? 1.0 : static_cast<double>(done) / static_cast<double>(total_);
     const auto full = static_cast<std::size_t>(share * kWidth);
     const double elapsed = seconds();
-    fmt::print(stderr, "{}rtl [{}{}] {:3.0f} % {} rays, {:.0f} rays/s, {:.0f} cycles/s", terminal_ ? "\r" : "",
-               std::string(full, '#'), std::string(kWidth - full, '.'), 100 * share, done,
-               static_cast<double>(done) / elapsed, static_cast<double>(cycles) / elapsed);
+    fmt::print(stderr, "{}rtl [{}{}] {:3.0f} % {} rays, {:.0f} rays/s, {:.0f} cycles/s",
+               terminal_ ? "\r" : "", std::string(full, '#'), std::string(kWidth - full, '.'),
+               100 * share, done, static_cast<double>(done) / elapsed,
+               static_cast<double>(cycles) / elapsed);
     std::fflush(stderr);
   }
 

@@ -40,7 +40,9 @@ struct CacheSum {
     hits += from.get(kCounterWidth);
     accesses += from.get(kCounterWidth);
   }
-  [[nodiscard]] CacheCounters named(const std::string& name) const { return {name, accesses, hits, merged, misses}; }
+  [[nodiscard]] CacheCounters named(const std::string& name) const {
+    return {name, accesses, hits, merged, misses};
+  }
 };
 
 class RtlEngine final : public Engine {
@@ -74,7 +76,8 @@ class RtlEngine final : public Engine {
     bool ray_up = false;
     bool answer_up = false;
 
-    // The engine's valid and ready outputs come from registers, so the inputs of a cycle may follow from its outputs.
+    // The engine's valid and ready outputs come from registers, so the inputs of a cycle may follow
+    // from its outputs.
     while (came < rays.size() && cycle - last_event < kPatience) {
       if (core.ray_valid_i && core.ray_ready_o) {
         ++sent;
@@ -86,7 +89,8 @@ class RtlEngine final : public Engine {
         ++came;
         last_event = cycle;
       }
-      if (core.m_axi_arvalid && core.m_axi_arready) memory.request(cycle, core.m_axi_arid, core.m_axi_araddr);
+      if (core.m_axi_arvalid && core.m_axi_arready)
+        memory.request(cycle, core.m_axi_arid, core.m_axi_araddr);
       if (core.m_axi_rvalid && core.m_axi_rready) answer_up = false;
       step(core);
       ++cycle;
@@ -108,7 +112,8 @@ class RtlEngine final : public Engine {
     read_counters(core, cycle, memory.bytes(), progress.seconds(), result);
     if (options_.lock_step && options_.error_every == 0 && !(result.work == model_work)) {
       result.lock_step.work_differs = true;
-      result.lock_step.examples.push_back(fmt::format("RTL {}; model {}", text_of(result.work), text_of(model_work)));
+      result.lock_step.examples.push_back(
+          fmt::format("RTL {}; model {}", text_of(result.work), text_of(model_work)));
     }
     core.final();
     return result;
@@ -154,7 +159,8 @@ class RtlEngine final : public Engine {
     for (const auto& corner : {header.box_hi, header.box_lo}) {
       for (std::uint32_t bits : corner) scene.put(bits, kFpWidth);
     }
-    for (std::uint32_t offset : {header.bary_offset, header.plane_offset, header.list_offset, header.node_offset}) {
+    for (std::uint32_t offset :
+         {header.bary_offset, header.plane_offset, header.list_offset, header.node_offset}) {
       scene.put(Memory::kBase + offset, config::kAddrBits);
     }
     scene.put(header.root, 29);
@@ -163,7 +169,9 @@ class RtlEngine final : public Engine {
   static void put_ray(Vti_core& core, std::uint32_t id, const Ray& ray) {
     std::fill(std::begin(core.ray_data_i.m_storage), std::end(core.ray_data_i.m_storage), 0U);
     Packer packer(core.ray_data_i.m_storage);
-    const auto put = [&packer](float value) { packer.put(round_to_bits(kFormat, value), kFpWidth); };
+    const auto put = [&packer](float value) {
+      packer.put(round_to_bits(kFormat, value), kFpWidth);
+    };
     put(ray.tmax);
     put(ray.tmin);
     for (int axis = 0; axis < 3; ++axis) put(ray.d[axis]);
@@ -172,7 +180,8 @@ class RtlEngine final : public Engine {
     packer.put(id, 32);
   }
 
-  static bool put_answer(Vti_core& core, Memory& memory, std::uint64_t cycle, std::mt19937_64& random) {
+  static bool put_answer(Vti_core& core, Memory& memory, std::uint64_t cycle,
+                         std::mt19937_64& random) {
     const auto answer = memory.answer(cycle, random);
     if (!answer) return false;
     core.m_axi_rid = static_cast<std::remove_reference_t<decltype(core.m_axi_rid)>>(answer->id);
@@ -182,8 +191,8 @@ class RtlEngine final : public Engine {
     return true;
   }
 
-  void take(const Vti_core& core, std::span<const Ray> rays, std::vector<std::uint8_t>& answers, EngineResult& result,
-            Work& model_work) const {
+  void take(const Vti_core& core, std::span<const Ray> rays, std::vector<std::uint8_t>& answers,
+            EngineResult& result, Work& model_work) const {
     Unpacker fields(core.hit_data_o.m_storage);
     HitBits hit;
     hit.steps = static_cast<std::uint16_t>(fields.get(16));
@@ -206,25 +215,27 @@ class RtlEngine final : public Engine {
     const bool excused = options_.error_every != 0 && hit.status == Status::MemoryError && !is_hit;
     if (!excused && (!(hit == expected) || is_hit != (expected.prim >= 0))) {
       ++result.lock_step.mismatches;
-      if (result.lock_step.examples.size() < 4) result.lock_step.examples.push_back(difference(id, hit, expected));
+      if (result.lock_step.examples.size() < 4)
+        result.lock_step.examples.push_back(difference(id, hit, expected));
     }
   }
 
   static std::string text_of(const Work& work) {
-    return fmt::format("steps {} leaves {} ({} full) restarts {} tests {} / {} / {}", work.steps, work.leaves,
-                       work.full_leaves, work.restarts, work.a_tests, work.b_tests, work.c_tests);
+    return fmt::format("steps {} leaves {} ({} full) restarts {} tests {} / {} / {}", work.steps,
+                       work.leaves, work.full_leaves, work.restarts, work.a_tests, work.b_tests,
+                       work.c_tests);
   }
 
   static std::string difference(std::uint32_t id, const HitBits& got, const HitBits& expected) {
     const auto text = [](const HitBits& hit) {
-      return fmt::format("prim {} t {:08x} u {:08x} v {:08x} status {} steps {}", hit.prim, hit.t, hit.u, hit.v,
-                         static_cast<int>(hit.status), hit.steps);
+      return fmt::format("prim {} t {:08x} u {:08x} v {:08x} status {} steps {}", hit.prim, hit.t,
+                         hit.u, hit.v, static_cast<int>(hit.status), hit.steps);
     };
     return fmt::format("ray {}: RTL {}; model {}", id, text(got), text(expected));
   }
 
-  static void read_counters(const Vti_core& core, std::uint64_t cycles, std::uint64_t bytes, double seconds,
-                            EngineResult& result) {
+  static void read_counters(const Vti_core& core, std::uint64_t cycles, std::uint64_t bytes,
+                            double seconds, EngineResult& result) {
     Work& work = result.work;
     CacheSum trv;
     CacheSum list;
@@ -274,15 +285,19 @@ class RtlEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_rtl_engine(const Image& image, const Config& config, const Tracer& model,
-                                        const RtlOptions& options) {
-  if (config.name != config::kName || config.num_trv != config::kNumTrv || !(config.format == kFormat)) {
-    throw Error(fmt::format("this program was built for the configuration {}, not for {}: start it by `make render CONFIG={}`",
-                            config::kName, config.name, config.name));
+std::unique_ptr<Engine> make_rtl_engine(const Image& image, const Config& config,
+                                        const Tracer& model, const RtlOptions& options) {
+  if (config.name != config::kName || config.num_trv != config::kNumTrv ||
+      !(config.format == kFormat)) {
+    throw Error(
+        fmt::format("this program was built for the configuration {}, not for {}: start it by "
+                    "`make render CONFIG={}`",
+                    config::kName, config.name, config.name));
   }
   if (!(image.format() == kFormat)) {
-    throw Error(fmt::format("the image has the number format ({},{}), the RTL ({},{}): build the image again",
-                            image.format().exp_bits, image.format().frac_bits, kFormat.exp_bits, kFormat.frac_bits));
+    throw Error(fmt::format(
+        "the image has the number format ({},{}), the RTL ({},{}): build the image again",
+        image.format().exp_bits, image.format().frac_bits, kFormat.exp_bits, kFormat.frac_bits));
   }
   return std::make_unique<RtlEngine>(image, model, options);
 }

@@ -6,9 +6,9 @@
 module ti_step_log (
   input logic clk_i,
 
-  input logic              start,
-  input ti_pkg::trv_slot_t new_slot,
-  input logic [31:0]       ray_id,
+  input logic                     start,
+  input ti_pkg::trv_slot_t        new_slot,
+  input logic              [31:0] ray_id,
 
   input logic                end_valid,
   input ti_pkg::trv_slot_t   end_slot,
@@ -67,7 +67,7 @@ bind ti_trv ti_step_log u_step_log (
   .end_index,
   .end_node,
   .end_t,
-  .tmax(state.interval.tmax),
+  .tmax  (state.interval.tmax),
   .push,
   .next_node,
   .far

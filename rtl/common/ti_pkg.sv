@@ -12,7 +12,9 @@ package ti_pkg;
   localparam int unsigned LineAddrWidth = AddrWidth - $clog2(LineBytes);
   localparam int unsigned CounterWidth = 48;
 
-  localparam int unsigned TrvIndexWidth = (ti_config_pkg::NumTrv > 1) ? $clog2(ti_config_pkg::NumTrv) : 1;
+  localparam int unsigned TrvIndexWidth = (ti_config_pkg::NumTrv > 1) ? $clog2(
+      ti_config_pkg::NumTrv
+  ) : 1;
   localparam int unsigned TrvSlotWidth = $clog2(ti_config_pkg::TrvSlots);
 
   typedef logic [FpWidth-1:0] fp_t;
@@ -77,10 +79,10 @@ package ti_pkg;
 
   /// Tree node as in memory, 8 bytes, word 1 above word 0.
   typedef struct packed {
-    logic [28:0] link;   // inner: the child that is not adjacent; leaf: triangle count
+    logic [28:0] link;     // inner: the child that is not adjacent; leaf: triangle count
     logic        reorder;  // inner: 1 when the adjacent child is the upper one
-    logic [1:0]  axis;   // 3: leaf
-    logic [31:0] value;  // inner: split; leaf: first list entry
+    logic [1:0]  axis;     // 3: leaf
+    logic [31:0] value;    // inner: split; leaf: first list entry
   } node_t;
 
   /// Plane part of a triangle as in memory, 32 bytes, word 7 first.
@@ -128,11 +130,11 @@ package ti_pkg;
 
   /// LIST -> IST1: one ray against one triangle.
   typedef struct packed {
-    home_t      home;
-    record_t    record;
-    vec3_t      o;
-    vec3_t      d;
-    fp_t        tbest;
+    home_t   home;
+    record_t record;
+    vec3_t   o;
+    vec3_t   d;
+    fp_t     tbest;
   } test_t;
 
   /// IST1 -> IST2: a test that is inside the triangle.
@@ -165,11 +167,11 @@ package ti_pkg;
   } cache_counters_t;
 
   typedef struct packed {
-    counter_t        steps;     // nodes visited, leaves included
-    counter_t        leaves;    // leaves visited
+    counter_t        steps;        // nodes visited, leaves included
+    counter_t        leaves;       // leaves visited
     counter_t        full_leaves;  // of these, with triangles
     counter_t        restarts;
-    counter_t        rays;      // retired here
+    counter_t        rays;         // retired here
     cache_counters_t cache;
   } trv_counters_t;
 
@@ -184,8 +186,6 @@ package ti_pkg;
     cache_counters_t cache;
   } ist1_counters_t;
 
-  typedef struct packed {
-    counter_t c_passes;
-  } ist2_counters_t;
+  typedef struct packed {counter_t c_passes;} ist2_counters_t;
 
 endpackage : ti_pkg

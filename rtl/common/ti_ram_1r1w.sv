@@ -12,13 +12,13 @@ module ti_ram_1r1w #(
 ) (
   input logic clk_i,
 
-  input  logic                 read_en_i,
-  input  logic [AddrWidth-1:0] read_addr_i,
-  output word_t                read_data_o,
+  input  logic                  read_en_i,
+  input  logic  [AddrWidth-1:0] read_addr_i,
+  output word_t                 read_data_o,
 
-  input logic                 write_en_i,
-  input logic [AddrWidth-1:0] write_addr_i,
-  input word_t                write_data_i
+  input logic                  write_en_i,
+  input logic  [AddrWidth-1:0] write_addr_i,
+  input word_t                 write_data_i
 );
 
   word_t mem_q[Depth];

@@ -8,7 +8,7 @@ module ti_round_robin #(
   parameter int unsigned Num = 2,
   localparam int unsigned IndexWidth = (Num > 1) ? $clog2(Num) : 1
 ) (
-  input  logic [Num-1:0]        request_i,
+  input  logic [       Num-1:0] request_i,
   input  logic [IndexWidth-1:0] from_i,
   output logic                  any_o,
   output logic [IndexWidth-1:0] index_o

@@ -8,7 +8,7 @@
 /// always accepted.  After reset the slots come out in ascending order.
 module ti_slot_pool #(
   /// Slots, 2 or more.
-  parameter int unsigned NumSlots = 2,
+  parameter  int unsigned NumSlots  = 2,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
 ) (
   input logic clk_i,

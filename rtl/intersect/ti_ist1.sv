@@ -35,15 +35,15 @@ module ti_ist1 #(
   input  logic            return_ready_i,
   output ti_pkg::return_t return_data_o,
 
-  output logic                line_req_valid_o,
-  input  logic                line_req_ready_i,
-  output logic [RowWidth-1:0] line_req_row_o,
-  output ti_pkg::line_addr_t  line_req_line_o,
+  output logic                              line_req_valid_o,
+  input  logic                              line_req_ready_i,
+  output logic               [RowWidth-1:0] line_req_row_o,
+  output ti_pkg::line_addr_t                line_req_line_o,
 
-  input logic                line_rsp_valid_i,
-  input logic [RowWidth-1:0] line_rsp_row_i,
-  input ti_pkg::line_t       line_rsp_data_i,
-  input logic                line_rsp_error_i,
+  input logic                         line_rsp_valid_i,
+  input logic          [RowWidth-1:0] line_rsp_row_i,
+  input ti_pkg::line_t                line_rsp_data_i,
+  input logic                         line_rsp_error_i,
 
   output ti_pkg::ist1_counters_t counters_o
 );
@@ -91,7 +91,7 @@ module ti_ist1 #(
   // Slots.
   logic slot_free, take, give;
   slot_t new_slot, give_slot;
-  ti_pkg::home_t home_q[NumSlots];
+  ti_pkg::home_t   home_q  [NumSlots];
   ti_pkg::record_t record_q[NumSlots];
 
   assign test_ready_o = slot_free;
@@ -99,8 +99,8 @@ module ti_ist1 #(
 
   always_ff @(posedge clk_i) begin
     if (take) begin
-      home_q[new_slot] <= test_data_i.home;
-      record_q[new_slot]  <= test_data_i.record;
+      home_q[new_slot]   <= test_data_i.home;
+      record_q[new_slot] <= test_data_i.record;
     end
   end
 
@@ -208,7 +208,7 @@ module ti_ist1 #(
   operands_t operands;
   between_t between, between_new;
   ti_pkg::plane_t plane;
-  ti_pkg::bary_t bary;
+  ti_pkg::bary_t  bary;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -227,7 +227,7 @@ module ti_ist1 #(
   end
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(operands_t)
   ) u_operands (
     .clk_i,
@@ -240,7 +240,7 @@ module ti_ist1 #(
   );
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(between_t)
   ) u_between (
     .clk_i,
@@ -260,10 +260,10 @@ module ti_ist1 #(
   tag_t issue_tag;
 
   assign issue_tag = '{
-    slot: issue_slot_q,
-    axis: issue_b ? between.axis : plane.axis[1:0],
-    prim: issue_b ? between.prim : plane.prim
-  };
+          slot: issue_slot_q,
+          axis: issue_b ? between.axis : plane.axis[1:0],
+          prim: issue_b ? between.prim : plane.prim
+      };
 
   ti_ist1_pipe #(
     .TagWidth($bits(tag_t))
@@ -295,13 +295,13 @@ module ti_ist1 #(
 
   assign go_on = result_valid && result_keep && !result_b;
   assign between_new = '{
-    prim: result_tag.prim,
-    axis: result_tag.axis,
-    det: result_det,
-    dett: result_dett,
-    audet: result_x,
-    av: result_y
-  };
+          prim: result_tag.prim,
+          axis: result_tag.axis,
+          det: result_det,
+          dett: result_dett,
+          audet: result_x,
+          av: result_y
+      };
 
   // What leaves: tests inside the triangle to IST2, misses and errors home.
   logic inside_valid, inside_ready, miss_valid, miss_ready, failed_valid, failed_ready;
@@ -314,12 +314,20 @@ module ti_ist1 #(
   ) u_inside (
     .clk_i,
     .rst_ni,
-    .push_i     (result_valid && result_keep && result_b),
-    .push_data_i('{slot: result_tag.slot, prim: result_tag.prim, det: result_det, dett: result_dett,
-                   detu: result_x, detv: result_y}),
+    .push_i(result_valid && result_keep && result_b),
+    .push_data_i(
+    '{
+        slot: result_tag.slot,
+        prim: result_tag.prim,
+        det: result_det,
+        dett: result_dett,
+        detu: result_x,
+        detv: result_y
+    }
+    ),
     .out_valid_o(inside_valid),
     .out_ready_i(inside_ready),
-    .out_data_o (kept)
+    .out_data_o(kept)
   );
 
   ti_queue #(
@@ -354,11 +362,11 @@ module ti_ist1 #(
   over_t over;
 
   assign inside_ready = candidate_stage_ready;
-  assign miss_ready   = return_stage_ready && !(inside_valid && inside_ready);
+  assign miss_ready = return_stage_ready && !(inside_valid && inside_ready);
   assign failed_ready = miss_ready && !miss_valid;
-  assign over         = '{slot: miss_valid ? miss_slot : failed_slot, error: !miss_valid};
-  assign give         = (inside_valid && inside_ready) || (miss_ready && (miss_valid || failed_valid));
-  assign give_slot    = (inside_valid && inside_ready) ? kept.slot : over.slot;
+  assign over = '{slot: miss_valid ? miss_slot : failed_slot, error: !miss_valid};
+  assign give = (inside_valid && inside_ready) || (miss_ready && (miss_valid || failed_valid));
+  assign give_slot = (inside_valid && inside_ready) ? kept.slot : over.slot;
 
   always_comb begin
     return_new       = '0;
@@ -372,13 +380,21 @@ module ti_ist1 #(
   ) u_candidate_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (inside_valid),
-    .in_ready_o (candidate_stage_ready),
-    .in_data_i  ('{home: home_q[kept.slot], prim: kept.prim, det: kept.det, dett: kept.dett,
-                   detu: kept.detu, detv: kept.detv}),
+    .in_valid_i(inside_valid),
+    .in_ready_o(candidate_stage_ready),
+    .in_data_i(
+    '{
+        home: home_q[kept.slot],
+        prim: kept.prim,
+        det: kept.det,
+        dett: kept.dett,
+        detu: kept.detu,
+        detv: kept.detv
+    }
+    ),
     .out_valid_o(candidate_valid_o),
     .out_ready_i(candidate_ready_i),
-    .out_data_o (candidate_data_o)
+    .out_data_o(candidate_data_o)
   );
 
   ti_stage #(

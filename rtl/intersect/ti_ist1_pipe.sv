@@ -37,28 +37,28 @@ module ti_ist1_pipe #(
   input logic clk_i,
   input logic rst_ni,
 
-  input logic                valid_i,
-  input logic                pass_b_i,
-  input logic [TagWidth-1:0] tag_i,
-  input logic [1:0]          axis_i,   // w
-  input ti_pkg::vec3_t       o_i,
-  input ti_pkg::vec3_t       d_i,
-  input ti_pkg::fp_t         tbest_i,
-  input ti_pkg::plane_t      plane_i,  // (a)
-  input ti_pkg::bary_t       bary_i,   // (b), as are the next four
-  input ti_pkg::fp_t         det_i,
-  input ti_pkg::fp_t         dett_i,
-  input ti_pkg::fp_t         audet_i,
-  input ti_pkg::fp_t         av_i,
+  input logic                          valid_i,
+  input logic                          pass_b_i,
+  input logic           [TagWidth-1:0] tag_i,
+  input logic           [         1:0] axis_i,    // w
+  input ti_pkg::vec3_t                 o_i,
+  input ti_pkg::vec3_t                 d_i,
+  input ti_pkg::fp_t                   tbest_i,
+  input ti_pkg::plane_t                plane_i,   // (a)
+  input ti_pkg::bary_t                 bary_i,    // (b), as are the next four
+  input ti_pkg::fp_t                   det_i,
+  input ti_pkg::fp_t                   dett_i,
+  input ti_pkg::fp_t                   audet_i,
+  input ti_pkg::fp_t                   av_i,
 
-  output logic                valid_o,
-  output logic                pass_b_o,
-  output logic                keep_o,
-  output logic [TagWidth-1:0] tag_o,
-  output ti_pkg::fp_t         det_o,
-  output ti_pkg::fp_t         dett_o,
-  output ti_pkg::fp_t         x_o,      // (a) au*det; (b) detu
-  output ti_pkg::fp_t         y_o       // (a) av; (b) detv
+  output logic                       valid_o,
+  output logic                       pass_b_o,
+  output logic                       keep_o,
+  output logic        [TagWidth-1:0] tag_o,
+  output ti_pkg::fp_t                det_o,
+  output ti_pkg::fp_t                dett_o,
+  output ti_pkg::fp_t                x_o,       // (a) au*det; (b) detu
+  output ti_pkg::fp_t                y_o        // (a) av; (b) detv
 );
 
   typedef ti_pkg::fp_t fp_t;
@@ -91,101 +91,270 @@ module ti_ist1_pipe #(
   assign dw = axis_w(d_i, axis_i);
 
   fp_t [2:0] g1;
-  ti_fp_mul #(E, M) u_g1_0 (.clk_i, .rst_ni, .valid_i, .a_i(pass_b_i ? du : plane_i.nu[W-1:0]),
-      .b_i(pass_b_i ? dett_i : du), .valid_o(), .result_o(g1[0]));
-  ti_fp_mul #(E, M) u_g1_1 (.clk_i, .rst_ni, .valid_i, .a_i(pass_b_i ? dv : plane_i.nv[W-1:0]),
-      .b_i(pass_b_i ? dett_i : dv), .valid_o(), .result_o(g1[1]));
-  ti_fp_mul #(E, M) u_g1_2 (.clk_i, .rst_ni, .valid_i(valid_i && pass_b_i), .a_i(av_i), .b_i(det_i),
-      .valid_o(), .result_o(g1[2]));
+  ti_fp_mul #(E, M) u_g1_0 (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(pass_b_i ? du : plane_i.nu[W-1:0]),
+    .b_i(pass_b_i ? dett_i : du),
+    .valid_o(),
+    .result_o(g1[0])
+  );
+  ti_fp_mul #(E, M) u_g1_1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(pass_b_i ? dv : plane_i.nv[W-1:0]),
+    .b_i(pass_b_i ? dett_i : dv),
+    .valid_o(),
+    .result_o(g1[1])
+  );
+  ti_fp_mul #(E, M) u_g1_2 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i && pass_b_i),
+    .a_i(av_i),
+    .b_i(det_i),
+    .valid_o(),
+    .result_o(g1[2])
+  );
 
   // TimeH: (a) p and o, (b) au*det.
   fp_t [2:0] p_h, o_h;
-  ti_delay #(logic [6*W-1:0], TimeH) u_to_h (.clk_i, .rst_ni,
-      .data_i(pass_b_i ? {{5{fp_t'('0)}}, audet_i} :
-              {axis_w(o_i, axis_i), axis_v(o_i, axis_i), axis_u(o_i, axis_i),
-               plane_i.pw[W-1:0], plane_i.pv[W-1:0], plane_i.pu[W-1:0]}),
-      .data_o({o_h, p_h}));
+  ti_delay #(logic [6*W-1:0], TimeH) u_to_h (
+    .clk_i,
+    .rst_ni,
+    .data_i(pass_b_i ? {{5{fp_t'('0)}}, audet_i} : {axis_w(
+        o_i, axis_i
+    ), axis_v(
+        o_i, axis_i
+    ), axis_u(
+        o_i, axis_i
+    ), plane_i.pw[W-1:0], plane_i.pv[W-1:0], plane_i.pu[W-1:0]}),
+    .data_o({o_h, p_h})
+  );
 
   logic at_h, b_h;
   assign at_h = valid_q[TimeH-1];
   assign b_h  = pass_b_q[TimeH-1];
 
   fp_t h_u, h_v, h_w, h_n;  // (a) au, av, aw, n; (b) Du, Dv
-  ti_fp_add #(E, M) u_h_u (.clk_i, .rst_ni, .valid_i(at_h), .a_i(b_h ? g1[0] : p_h[0]),
-      .b_i(b_h ? p_h[0] : o_h[0]), .negate_b_i(1'b1), .valid_o(), .result_o(h_u));
-  ti_fp_add #(E, M) u_h_v (.clk_i, .rst_ni, .valid_i(at_h), .a_i(b_h ? g1[1] : p_h[1]),
-      .b_i(b_h ? g1[2] : o_h[1]), .negate_b_i(1'b1), .valid_o(), .result_o(h_v));
-  ti_fp_add #(E, M) u_h_w (.clk_i, .rst_ni, .valid_i(at_h && !b_h), .a_i(p_h[2]), .b_i(o_h[2]),
-      .negate_b_i(1'b1), .valid_o(), .result_o(h_w));
-  ti_fp_add #(E, M) u_h_n (.clk_i, .rst_ni, .valid_i(at_h && !b_h), .a_i(g1[0]), .b_i(g1[1]),
-      .negate_b_i(1'b0), .valid_o(), .result_o(h_n));
+  ti_fp_add #(E, M) u_h_u (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h),
+    .a_i(b_h ? g1[0] : p_h[0]),
+    .b_i(b_h ? p_h[0] : o_h[0]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(h_u)
+  );
+  ti_fp_add #(E, M) u_h_v (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h),
+    .a_i(b_h ? g1[1] : p_h[1]),
+    .b_i(b_h ? g1[2] : o_h[1]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(h_v)
+  );
+  ti_fp_add #(E, M) u_h_w (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h && !b_h),
+    .a_i(p_h[2]),
+    .b_i(o_h[2]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(h_w)
+  );
+  ti_fp_add #(E, M) u_h_n (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h && !b_h),
+    .a_i(g1[0]),
+    .b_i(g1[1]),
+    .negate_b_i(1'b0),
+    .valid_o(),
+    .result_o(h_n)
+  );
 
   // TimeG2.
   fp_t g2_k0, g2_k1;  // (a) nu, nv; (b) e1v, e1u
-  ti_delay #(logic [2*W-1:0], TimeG2) u_to_g2 (.clk_i, .rst_ni,
-      .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} : {plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
-      .data_o({g2_k1, g2_k0}));
+  ti_delay #(logic [2*W-1:0], TimeG2) u_to_g2 (
+    .clk_i,
+    .rst_ni,
+    .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} : {plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
+    .data_o({g2_k1, g2_k0})
+  );
 
   fp_t g2_0, g2_1;
-  ti_fp_mul #(E, M) u_g2_0 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG2-1]), .a_i(g2_k0), .b_i(h_u),
-      .valid_o(), .result_o(g2_0));
-  ti_fp_mul #(E, M) u_g2_1 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG2-1]), .a_i(g2_k1), .b_i(h_v),
-      .valid_o(), .result_o(g2_1));
+  ti_fp_mul #(E, M) u_g2_0 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeG2-1]),
+    .a_i(g2_k0),
+    .b_i(h_u),
+    .valid_o(),
+    .result_o(g2_0)
+  );
+  ti_fp_mul #(E, M) u_g2_1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeG2-1]),
+    .a_i(g2_k1),
+    .b_i(h_v),
+    .valid_o(),
+    .result_o(g2_1)
+  );
 
   // TimeX1.
   fp_t n_x1, dw_x1, x1;
   logic b_x1;
   assign b_x1 = pass_b_q[TimeX1-1];
-  ti_delay #(fp_t, TimeX1 - TimeG2) u_n_to_x1 (.clk_i, .rst_ni, .data_i(h_n), .data_o(n_x1));
-  ti_delay #(fp_t, TimeX1) u_dw_to_x1 (.clk_i, .rst_ni, .data_i(dw), .data_o(dw_x1));
-  ti_fp_add #(E, M) u_x1 (.clk_i, .rst_ni, .valid_i(valid_q[TimeX1-1]), .a_i(b_x1 ? g2_0 : n_x1),
-      .b_i(b_x1 ? g2_1 : dw_x1), .negate_b_i(b_x1), .valid_o(), .result_o(x1));
+  ti_delay #(fp_t, TimeX1 - TimeG2) u_n_to_x1 (
+    .clk_i,
+    .rst_ni,
+    .data_i(h_n),
+    .data_o(n_x1)
+  );
+  ti_delay #(fp_t, TimeX1) u_dw_to_x1 (
+    .clk_i,
+    .rst_ni,
+    .data_i(dw),
+    .data_o(dw_x1)
+  );
+  ti_fp_add #(E, M) u_x1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeX1-1]),
+    .a_i(b_x1 ? g2_0 : n_x1),
+    .b_i(b_x1 ? g2_1 : dw_x1),
+    .negate_b_i(b_x1),
+    .valid_o(),
+    .result_o(x1)
+  );
 
   // TimeG3.
   fp_t g3_k0, g3_k1, hu_g3, hv_g3, g3_0, g3_1;
   logic b_g3;
   assign b_g3 = pass_b_q[TimeG3-1];
   // (a) tbest; (b) e0u, e0v.
-  ti_delay #(logic [2*W-1:0], TimeG3) u_to_g3 (.clk_i, .rst_ni,
-      .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tbest_i}),
-      .data_o({g3_k1, g3_k0}));
-  ti_delay #(logic [2*W-1:0], TimeG3 - TimeG2) u_h_to_g3 (.clk_i, .rst_ni, .data_i({h_v, h_u}),
-      .data_o({hv_g3, hu_g3}));
-  ti_fp_mul #(E, M) u_g3_0 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG3-1]), .a_i(g3_k0),
-      .b_i(b_g3 ? hv_g3 : x1), .valid_o(), .result_o(g3_0));
-  ti_fp_mul #(E, M) u_g3_1 (.clk_i, .rst_ni, .valid_i(valid_q[TimeG3-1]), .a_i(b_g3 ? g3_k1 : x1),
-      .b_i(hu_g3), .valid_o(), .result_o(g3_1));
+  ti_delay #(logic [2*W-1:0], TimeG3) u_to_g3 (
+    .clk_i,
+    .rst_ni,
+    .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tbest_i}),
+    .data_o({g3_k1, g3_k0})
+  );
+  ti_delay #(logic [2*W-1:0], TimeG3 - TimeG2) u_h_to_g3 (
+    .clk_i,
+    .rst_ni,
+    .data_i({h_v, h_u}),
+    .data_o({hv_g3, hu_g3})
+  );
+  ti_fp_mul #(E, M) u_g3_0 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeG3-1]),
+    .a_i(g3_k0),
+    .b_i(b_g3 ? hv_g3 : x1),
+    .valid_o(),
+    .result_o(g3_0)
+  );
+  ti_fp_mul #(E, M) u_g3_1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeG3-1]),
+    .a_i(b_g3 ? g3_k1 : x1),
+    .b_i(hu_g3),
+    .valid_o(),
+    .result_o(g3_1)
+  );
 
   // TimeX2.
   fp_t g2_0_x2, g2_1_x2, x2;
   logic b_x2;
   assign b_x2 = pass_b_q[TimeX2-1];
-  ti_delay #(logic [2*W-1:0], TimeX2 - TimeX1) u_g2_to_x2 (.clk_i, .rst_ni, .data_i({g2_1, g2_0}),
-      .data_o({g2_1_x2, g2_0_x2}));
-  ti_fp_add #(E, M) u_x2 (.clk_i, .rst_ni, .valid_i(valid_q[TimeX2-1]), .a_i(b_x2 ? g3_0 : g2_0_x2),
-      .b_i(b_x2 ? g3_1 : g2_1_x2), .negate_b_i(b_x2), .valid_o(), .result_o(x2));
+  ti_delay #(logic [2*W-1:0], TimeX2 - TimeX1) u_g2_to_x2 (
+    .clk_i,
+    .rst_ni,
+    .data_i({g2_1, g2_0}),
+    .data_o({g2_1_x2, g2_0_x2})
+  );
+  ti_fp_add #(E, M) u_x2 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeX2-1]),
+    .a_i(b_x2 ? g3_0 : g2_0_x2),
+    .b_i(b_x2 ? g3_1 : g2_1_x2),
+    .negate_b_i(b_x2),
+    .valid_o(),
+    .result_o(x2)
+  );
 
   // TimeX3.
   fp_t aw_x3, x1_x3, x3;
   logic b_x3;
   assign b_x3 = pass_b_q[TimeX3-1];
-  ti_delay #(fp_t, TimeX3 - TimeG2) u_aw_to_x3 (.clk_i, .rst_ni, .data_i(h_w), .data_o(aw_x3));
-  ti_delay #(fp_t, TimeX3 - TimeG3) u_x1_to_x3 (.clk_i, .rst_ni, .data_i(x1), .data_o(x1_x3));
-  ti_fp_add #(E, M) u_x3 (.clk_i, .rst_ni, .valid_i(valid_q[TimeX3-1]), .a_i(b_x3 ? x1_x3 : x2),
-      .b_i(b_x3 ? x2 : aw_x3), .negate_b_i(1'b0), .valid_o(), .result_o(x3));
+  ti_delay #(fp_t, TimeX3 - TimeG2) u_aw_to_x3 (
+    .clk_i,
+    .rst_ni,
+    .data_i(h_w),
+    .data_o(aw_x3)
+  );
+  ti_delay #(fp_t, TimeX3 - TimeG3) u_x1_to_x3 (
+    .clk_i,
+    .rst_ni,
+    .data_i(x1),
+    .data_o(x1_x3)
+  );
+  ti_fp_add #(E, M) u_x3 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_q[TimeX3-1]),
+    .a_i(b_x3 ? x1_x3 : x2),
+    .b_i(b_x3 ? x2 : aw_x3),
+    .negate_b_i(1'b0),
+    .valid_o(),
+    .result_o(x3)
+  );
 
   // TimeEnd.
   fp_t x1_end, x2_end, limit, audet, av_end, tbest_end, det_in, dett_in;
   logic [TagWidth-1:0] tag_end;
   logic b_end;
   assign b_end = pass_b_q[TimeEnd-1];
-  ti_delay #(fp_t, TimeEnd - TimeX3) u_x1_to_end (.clk_i, .rst_ni, .data_i(x1_x3), .data_o(x1_end));
-  ti_delay #(fp_t, TimeEnd - TimeX3) u_x2_to_end (.clk_i, .rst_ni, .data_i(x2), .data_o(x2_end));
-  ti_delay #(logic [2*W-1:0], TimeEnd - TimeX2) u_g3_to_end (.clk_i, .rst_ni, .data_i({g3_1, g3_0}),
-      .data_o({audet, limit}));
-  ti_delay #(fp_t, TimeEnd - TimeG2) u_av_to_end (.clk_i, .rst_ni, .data_i(h_v), .data_o(av_end));
-  ti_delay #(logic [2*W+TagWidth-1:0], TimeEnd) u_to_end (.clk_i, .rst_ni,
-      .data_i({tag_i, dett_i, pass_b_i ? det_i : tbest_i}), .data_o({tag_end, dett_in, det_in}));
+  ti_delay #(fp_t, TimeEnd - TimeX3) u_x1_to_end (
+    .clk_i,
+    .rst_ni,
+    .data_i(x1_x3),
+    .data_o(x1_end)
+  );
+  ti_delay #(fp_t, TimeEnd - TimeX3) u_x2_to_end (
+    .clk_i,
+    .rst_ni,
+    .data_i(x2),
+    .data_o(x2_end)
+  );
+  ti_delay #(logic [2*W-1:0], TimeEnd - TimeX2) u_g3_to_end (
+    .clk_i,
+    .rst_ni,
+    .data_i({g3_1, g3_0}),
+    .data_o({audet, limit})
+  );
+  ti_delay #(fp_t, TimeEnd - TimeG2) u_av_to_end (
+    .clk_i,
+    .rst_ni,
+    .data_i(h_v),
+    .data_o(av_end)
+  );
+  ti_delay #(logic [2*W+TagWidth-1:0], TimeEnd) u_to_end (
+    .clk_i,
+    .rst_ni,
+    .data_i({tag_i, dett_i, pass_b_i ? det_i : tbest_i}),
+    .data_o({tag_end, dett_in, det_in})
+  );
   assign tbest_end = det_in;
 
   function automatic logic [E-1:0] exponent(input fp_t x);
@@ -217,10 +386,31 @@ module ti_ist1_pipe #(
   // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
   assign cmp_a  = b_end ? {1'b0, x3[W-2:0]} : ulps_up(limit, 4);
   assign cmp_b  = b_end ? {1'b0, det_in[W-2:0]} : {1'b0, dett_a[W-2:0]};
-  ti_fp_cmp #(E, M) u_cmp (.a_i(cmp_a), .b_i(cmp_b), .lt_o(lt), .eq_o(), .le_o(le), .unordered_o());
+  ti_fp_cmp #(E, M) u_cmp (
+    .a_i(cmp_a),
+    .b_i(cmp_b),
+    .lt_o(lt),
+    .eq_o(),
+    .le_o(le),
+    .unordered_o()
+  );
 
-  assign cull = lt && is_normal(tbest_end) && is_normal(limit) && exponent(det_a) <= E'(2 * ti_pkg::FpBias - 2);
-  assign keep_a = !is_zero(det_a) && is_finite(det_a) && is_finite(dett_a) && agrees(dett_a, det_a) && !cull;
+  assign cull = lt && is_normal(
+      tbest_end
+  ) && is_normal(
+      limit
+  ) && exponent(
+      det_a
+  ) <= E'(2 * ti_pkg::FpBias - 2);
+  assign keep_a = !is_zero(
+      det_a
+  ) && is_finite(
+      det_a
+  ) && is_finite(
+      dett_a
+  ) && agrees(
+      dett_a, det_a
+  ) && !cull;
   assign keep_b = agrees(x1_end, det_in) && agrees(x2_end, det_in) && le;
 
   always_ff @(posedge clk_i) begin

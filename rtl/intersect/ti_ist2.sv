@@ -53,19 +53,53 @@ module ti_ist2 #(
   ti_pkg::fp_t r, dett, detu, detv, t, u, v;
   who_t who;
 
-  ti_fp_rcp #(E, M) u_rcp (.clk_i, .rst_ni, .valid_i(take), .a_i(candidate_data_i.det),
-      .valid_o(r_valid), .result_o(r));
-  ti_delay #(logic [3*W-1:0], RcpLatency) u_to_mul (.clk_i, .rst_ni,
-      .data_i({candidate_data_i.dett, candidate_data_i.detu, candidate_data_i.detv}),
-      .data_o({dett, detu, detv}));
-  ti_fp_mul #(E, M) u_t (.clk_i, .rst_ni, .valid_i(r_valid), .a_i(dett), .b_i(r), .valid_o(t_valid),
-      .result_o(t));
-  ti_fp_mul #(E, M) u_u (.clk_i, .rst_ni, .valid_i(r_valid), .a_i(detu), .b_i(r), .valid_o(),
-      .result_o(u));
-  ti_fp_mul #(E, M) u_v (.clk_i, .rst_ni, .valid_i(r_valid), .a_i(detv), .b_i(r), .valid_o(),
-      .result_o(v));
-  ti_delay #(who_t, RcpLatency + ti_fp_pkg::MulLatency) u_who (.clk_i, .rst_ni,
-      .data_i('{home: candidate_data_i.home, prim: candidate_data_i.prim}), .data_o(who));
+  ti_fp_rcp #(E, M) u_rcp (
+    .clk_i,
+    .rst_ni,
+    .valid_i(take),
+    .a_i(candidate_data_i.det),
+    .valid_o(r_valid),
+    .result_o(r)
+  );
+  ti_delay #(logic [3*W-1:0], RcpLatency) u_to_mul (
+    .clk_i,
+    .rst_ni,
+    .data_i({candidate_data_i.dett, candidate_data_i.detu, candidate_data_i.detv}),
+    .data_o({dett, detu, detv})
+  );
+  ti_fp_mul #(E, M) u_t (
+    .clk_i,
+    .rst_ni,
+    .valid_i(r_valid),
+    .a_i(dett),
+    .b_i(r),
+    .valid_o(t_valid),
+    .result_o(t)
+  );
+  ti_fp_mul #(E, M) u_u (
+    .clk_i,
+    .rst_ni,
+    .valid_i(r_valid),
+    .a_i(detu),
+    .b_i(r),
+    .valid_o(),
+    .result_o(u)
+  );
+  ti_fp_mul #(E, M) u_v (
+    .clk_i,
+    .rst_ni,
+    .valid_i(r_valid),
+    .a_i(detv),
+    .b_i(r),
+    .valid_o(),
+    .result_o(v)
+  );
+  ti_delay #(who_t, RcpLatency + ti_fp_pkg::MulLatency) u_who (
+    .clk_i,
+    .rst_ni,
+    .data_i('{home: candidate_data_i.home, prim: candidate_data_i.prim}),
+    .data_o(who)
+  );
 
   ti_pkg::return_t result;
   always_comb begin

@@ -31,15 +31,15 @@ module ti_list #(
   input  logic            return_ready_i,
   output ti_pkg::return_t return_data_o,
 
-  output logic                line_req_valid_o,
-  input  logic                line_req_ready_i,
-  output logic [RowWidth-1:0] line_req_row_o,
-  output ti_pkg::line_addr_t  line_req_line_o,
+  output logic                              line_req_valid_o,
+  input  logic                              line_req_ready_i,
+  output logic               [RowWidth-1:0] line_req_row_o,
+  output ti_pkg::line_addr_t                line_req_line_o,
 
-  input logic                line_rsp_valid_i,
-  input logic [RowWidth-1:0] line_rsp_row_i,
-  input ti_pkg::line_t       line_rsp_data_i,
-  input logic                line_rsp_error_i,
+  input logic                         line_rsp_valid_i,
+  input logic          [RowWidth-1:0] line_rsp_row_i,
+  input ti_pkg::line_t                line_rsp_data_i,
+  input logic                         line_rsp_error_i,
 
   output ti_pkg::list_counters_t counters_o
 );
@@ -152,28 +152,30 @@ module ti_list #(
   end
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(shared_t)
   ) u_shared (
     .clk_i,
-    .read_en_i   (rsp_valid && rsp_ready),
-    .read_addr_i (rsp_slot),
-    .read_data_o (shared),
-    .write_en_i  (take),
+    .read_en_i(rsp_valid && rsp_ready),
+    .read_addr_i(rsp_slot),
+    .read_data_o(shared),
+    .write_en_i(take),
     .write_addr_i(new_slot),
-    .write_data_i('{home: leaf_data_i.home, o: leaf_data_i.o, d: leaf_data_i.d, tbest: leaf_data_i.tbest})
+    .write_data_i(
+    '{home: leaf_data_i.home, o: leaf_data_i.o, d: leaf_data_i.d, tbest: leaf_data_i.tbest}
+    )
   );
 
   assign remaining = remaining_q[answer_slot_q];
 
   assign test_valid_o = answer_valid_q && !answer_error_q;
-  assign test_data_o  = '{
-    home: shared.home,
-    record: answer_id_q[28:0],
-    o: shared.o,
-    d: shared.d,
-    tbest: shared.tbest
-  };
+  assign test_data_o = '{
+          home: shared.home,
+          record: answer_id_q[28:0],
+          o: shared.o,
+          d: shared.d,
+          tbest: shared.tbest
+      };
 
   assign return_valid_o = answer_valid_q && answer_error_q;
   always_comb begin
@@ -215,8 +217,9 @@ module ti_list #(
   end
 
   `TI_ASSERT(LeafHasTriangles, leaf_valid_i |-> leaf_data_i.count != '0)
-  `TI_ASSERT(TestHeldUntilTaken, test_valid_o && !test_ready_i |=> test_valid_o && $stable(test_data_o))
-  `TI_ASSERT(ReturnHeldUntilTaken,
-             return_valid_o && !return_ready_i |=> return_valid_o && $stable(return_data_o))
+  `TI_ASSERT(TestHeldUntilTaken, test_valid_o && !test_ready_i |=> test_valid_o && $stable
+                                 (test_data_o))
+  `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
+                                   (return_data_o))
 
 endmodule : ti_list

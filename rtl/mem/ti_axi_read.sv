@@ -18,26 +18,26 @@ module ti_axi_read #(
 
   input  logic                     req_valid_i,
   output logic                     req_ready_o,
-  input  logic [IdWidth-1:0]       req_id_i,
+  input  logic [      IdWidth-1:0] req_id_i,
   input  logic [LineAddrWidth-1:0] req_line_i,
 
   output logic                   rsp_valid_o,
-  output logic [IdWidth-1:0]     rsp_id_o,
+  output logic [    IdWidth-1:0] rsp_id_o,
   output logic [8*LineBytes-1:0] rsp_data_o,
   output logic                   rsp_error_o,
 
   output logic                   m_axi_arvalid,
   input  logic                   m_axi_arready,
-  output logic [IdWidth-1:0]     m_axi_arid,
-  output logic [AddrWidth-1:0]   m_axi_araddr,
-  output logic [7:0]             m_axi_arlen,
-  output logic [2:0]             m_axi_arsize,
-  output logic [1:0]             m_axi_arburst,
+  output logic [    IdWidth-1:0] m_axi_arid,
+  output logic [  AddrWidth-1:0] m_axi_araddr,
+  output logic [            7:0] m_axi_arlen,
+  output logic [            2:0] m_axi_arsize,
+  output logic [            1:0] m_axi_arburst,
   input  logic                   m_axi_rvalid,
   output logic                   m_axi_rready,
-  input  logic [IdWidth-1:0]     m_axi_rid,
+  input  logic [    IdWidth-1:0] m_axi_rid,
   input  logic [8*LineBytes-1:0] m_axi_rdata,
-  input  logic [1:0]             m_axi_rresp,
+  input  logic [            1:0] m_axi_rresp,
   input  logic                   m_axi_rlast
 );
 
@@ -67,7 +67,7 @@ module ti_axi_read #(
     $error("ti_axi_read: LineBytes must be 8 to 128, the widths of an AXI4 data bus");
   end
 
-  `TI_ASSERT(ArHeldUntilTaken,
-             m_axi_arvalid && !m_axi_arready |=> m_axi_arvalid && $stable({m_axi_arid, m_axi_araddr}))
+  `TI_ASSERT(ArHeldUntilTaken, m_axi_arvalid && !m_axi_arready |=> m_axi_arvalid && $stable
+                               ({m_axi_arid, m_axi_araddr}))
 
 endmodule : ti_axi_read

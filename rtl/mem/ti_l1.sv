@@ -30,16 +30,16 @@ module ti_l1 #(
 
   input  logic [LineAddrWidth-1:0] line_i,
   output logic                     hit_o,
-  output logic [WayWidth-1:0]      hit_way_o,
+  output logic [     WayWidth-1:0] hit_way_o,
   output logic                     victim_valid_o,  // some way of the set is not pinned
-  output logic [WayWidth-1:0]      victim_way_o,
+  output logic [     WayWidth-1:0] victim_way_o,
   input  logic                     touch_i,         // the hit is used
   input  logic                     alloc_i,         // the victim's place is taken
 
   input logic                   fill_i,
   input logic                   fill_good_i,  // 0: the answer was an error, nothing to keep
-  input logic [SetWidth-1:0]    fill_set_i,
-  input logic [WayWidth-1:0]    fill_way_i,
+  input logic [   SetWidth-1:0] fill_set_i,
+  input logic [   WayWidth-1:0] fill_way_i,
   input logic [8*LineBytes-1:0] fill_data_i,
 
   input logic                unpin_i,
@@ -47,8 +47,8 @@ module ti_l1 #(
   input logic [WayWidth-1:0] unpin_way_i,
 
   input  logic                   read_en_i,
-  input  logic [SetWidth-1:0]    read_set_i,
-  input  logic [WayWidth-1:0]    read_way_i,
+  input  logic [   SetWidth-1:0] read_set_i,
+  input  logic [   WayWidth-1:0] read_way_i,
   output logic [8*LineBytes-1:0] line_o
 );
 
@@ -77,7 +77,7 @@ module ti_l1 #(
   assign tag        = tag_t'(line_i >> SetBits);
 
   ti_ram_1r1w #(
-    .Depth((Sets > 1) ? Sets : 2),
+    .Depth ((Sets > 1) ? Sets : 2),
     .word_t(tag_row_t)
   ) u_tags (
     .clk_i,
@@ -174,7 +174,7 @@ module ti_l1 #(
   end
 
   ti_ram_1r1w #(
-    .Depth((Sets * Ways > 1) ? Sets * Ways : 2),
+    .Depth ((Sets * Ways > 1) ? Sets * Ways : 2),
     .word_t(logic [8*LineBytes-1:0])
   ) u_lines (
     .clk_i,

@@ -16,12 +16,12 @@ module ti_mem_arbiter #(
 
   input  logic [NumPorts-1:0]                    req_valid_i,
   output logic [NumPorts-1:0]                    req_ready_o,
-  input  logic [NumPorts-1:0][RowWidth-1:0]      req_row_i,
+  input  logic [NumPorts-1:0][     RowWidth-1:0] req_row_i,
   input  logic [NumPorts-1:0][LineAddrWidth-1:0] req_line_i,
 
   output logic                     mem_valid_o,
   input  logic                     mem_ready_i,
-  output logic [IdWidth-1:0]       mem_id_o,
+  output logic [      IdWidth-1:0] mem_id_o,
   output logic [LineAddrWidth-1:0] mem_line_o,
 
   input logic               rsp_valid_i,

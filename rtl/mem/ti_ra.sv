@@ -37,17 +37,17 @@ module ti_ra #(
 
   output logic                   rsp_valid_o,
   input  logic                   rsp_ready_i,
-  output logic [SlotWidth-1:0]   rsp_slot_o,
+  output logic [  SlotWidth-1:0] rsp_slot_o,
   output logic [8*ElemBytes-1:0] rsp_elem_o,
   output logic                   rsp_error_o,
 
   output logic                     line_req_valid_o,
   input  logic                     line_req_ready_i,
-  output logic [RowWidth-1:0]      line_req_row_o,
+  output logic [     RowWidth-1:0] line_req_row_o,
   output logic [LineAddrWidth-1:0] line_req_line_o,
 
   input logic                   line_rsp_valid_i,
-  input logic [RowWidth-1:0]    line_rsp_row_i,
+  input logic [   RowWidth-1:0] line_rsp_row_i,
   input logic [8*LineBytes-1:0] line_rsp_data_i,
   input logic                   line_rsp_error_i,
 
@@ -137,21 +137,21 @@ module ti_ra #(
   end
 
   // A filled row hands out before anything else; new rows cannot form meanwhile, so this ends.
-  assign merge        = |row_match;
+  assign merge = |row_match;
   assign row_free_any = !(&row_busy_q);
-  assign s2_free      = !s2_valid_q || rsp_ready_i;
-  assign drain        = |row_filled_q && s2_free;
-  assign drain_slot   = row_head_q[drain_row];
-  assign drain_last   = drain && drain_slot == row_tail_q[drain_row];
-  assign use_merge    = s1_valid_q && merge;
-  assign use_hit      = s1_valid_q && !merge && hit && s2_free && !(|row_filled_q);
+  assign s2_free = !s2_valid_q || rsp_ready_i;
+  assign drain = |row_filled_q && s2_free;
+  assign drain_slot = row_head_q[drain_row];
+  assign drain_last = drain && drain_slot == row_tail_q[drain_row];
+  assign use_merge = s1_valid_q && merge;
+  assign use_hit = s1_valid_q && !merge && hit && s2_free && !(|row_filled_q);
   assign use_miss     = s1_valid_q && !merge && !hit && row_free_any && victim_valid && line_queue_ready;
-  assign s1_done      = use_merge || use_hit || use_miss;
+  assign s1_done = use_merge || use_hit || use_miss;
 
   assign event_access_o = s1_done;
-  assign event_hit_o    = use_hit;
+  assign event_hit_o = use_hit;
   assign event_merged_o = use_merge;
-  assign event_miss_o   = use_miss;
+  assign event_miss_o = use_miss;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -266,11 +266,11 @@ module ti_ra #(
     $error("ti_ra: ElemBytes must divide LineBytes into a power of two");
   end
 
-  `TI_ASSERT(OutHeldUntilTaken,
-             rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable({rsp_slot_o, rsp_elem_o, rsp_error_o}))
+  `TI_ASSERT(OutHeldUntilTaken, rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable
+                                ({rsp_slot_o, rsp_elem_o, rsp_error_o}))
   `TI_ASSERT(OneRowALine, $onehot0(row_match))
-  `TI_ASSERT(AnswersBusyRows, line_rsp_valid_i |->
-             row_busy_q[line_rsp_row_i] && !row_filled_q[line_rsp_row_i])
+  `TI_ASSERT(AnswersBusyRows,
+             line_rsp_valid_i |-> row_busy_q[line_rsp_row_i] && !row_filled_q[line_rsp_row_i])
   `TI_COVER(JoinsARowAsItFills, use_merge && line_rsp_valid_i && line_rsp_row_i == merge_row)
 
 endmodule : ti_ra

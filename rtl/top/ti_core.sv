@@ -8,8 +8,7 @@
 /// come in any order and carry the ray's number.  `scene_i` must be still while rays are inside.  The taker
 /// of hits must not wait for rays to be accepted.  Throughput, size and number format follow the configuration
 /// `ti_config_pkg`.
-module ti_core
-#(
+module ti_core #(
   localparam int unsigned NumTrv = ti_config_pkg::NumTrv,
   localparam int unsigned NumList = ti_config_pkg::NumList,
   localparam int unsigned NumIst1 = ti_config_pkg::NumIst1,
@@ -40,21 +39,21 @@ module ti_core
   input  logic         hit_ready_i,
   output ti_pkg::hit_t hit_data_o,
 
-  output logic                  m_axi_arvalid,
-  input  logic                  m_axi_arready,
-  output logic [AxiIdWidth-1:0] m_axi_arid,
-  output ti_pkg::addr_t         m_axi_araddr,
-  output logic [7:0]            m_axi_arlen,
-  output logic [2:0]            m_axi_arsize,
-  output logic [1:0]            m_axi_arburst,
-  input  logic                  m_axi_rvalid,
-  output logic                  m_axi_rready,
-  input  logic [AxiIdWidth-1:0] m_axi_rid,
-  input  ti_pkg::line_t         m_axi_rdata,
-  input  logic [1:0]            m_axi_rresp,
-  input  logic                  m_axi_rlast,
+  output logic                           m_axi_arvalid,
+  input  logic                           m_axi_arready,
+  output logic          [AxiIdWidth-1:0] m_axi_arid,
+  output ti_pkg::addr_t                  m_axi_araddr,
+  output logic          [           7:0] m_axi_arlen,
+  output logic          [           2:0] m_axi_arsize,
+  output logic          [           1:0] m_axi_arburst,
+  input  logic                           m_axi_rvalid,
+  output logic                           m_axi_rready,
+  input  logic          [AxiIdWidth-1:0] m_axi_rid,
+  input  ti_pkg::line_t                  m_axi_rdata,
+  input  logic          [           1:0] m_axi_rresp,
+  input  logic                           m_axi_rlast,
 
-  output ti_pkg::trv_counters_t  [NumTrv-1:0]  trv_counters_o,
+  output ti_pkg::trv_counters_t  [ NumTrv-1:0] trv_counters_o,
   output ti_pkg::list_counters_t [NumList-1:0] list_counters_o,
   output ti_pkg::ist1_counters_t [NumIst1-1:0] ist1_counters_o,
   output ti_pkg::ist2_counters_t               ist2_counters_o
@@ -68,7 +67,7 @@ module ti_core
   logic [NumTrv:0] hit_valid, hit_ready;  // the last is RD's
   ti_pkg::hit_t [NumTrv:0] hit_data;
   logic [NumTrv-1:0] leaf_valid, leaf_ready, home_valid, home_ready;
-  ti_pkg::leaf_t [NumTrv-1:0] leaf_data;
+  ti_pkg::leaf_t   [NumTrv-1:0] leaf_data;
   ti_pkg::return_t [NumTrv-1:0] home_data;
 
   logic [NumList-1:0] list_leaf_valid, list_leaf_ready;
@@ -171,7 +170,7 @@ module ti_core
     ti_pkg::leaf_t [NumMine-1:0] mine_data;
     for (genvar k = 0; k < NumMine; k++) begin : gen_mine
       assign mine_valid[k] = leaf_valid[l+k*NumList];
-      assign mine_data[k]  = leaf_data[l+k*NumList];
+      assign mine_data[k] = leaf_data[l+k*NumList];
       assign leaf_ready[l+k*NumList] = mine_ready[k];
     end
 

@@ -12,7 +12,9 @@ module ti_rd #(
   parameter int unsigned DealTile = 16,
   localparam int unsigned AcceptLatency = 1,
   localparam int unsigned AxisCycles = 3,
-  localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(ti_pkg::FracBits) + ti_fp_pkg::MulLatency + 2,
+  localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
+      ti_pkg::FracBits
+  ) + ti_fp_pkg::MulLatency + 2,
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned Latency = AcceptLatency + AxisCycles - 1 + ClipLatency + QueueLatency
 ) (

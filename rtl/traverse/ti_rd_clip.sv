@@ -12,7 +12,7 @@
 module ti_rd_clip #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_pkg::FracBits),
   localparam int unsigned GatherLatency = 1,  // interval over the axes
-  localparam int unsigned CheckLatency = 1,   // outward, hit or miss
+  localparam int unsigned CheckLatency = 1,  // outward, hit or miss
   localparam int unsigned Latency = RcpLatency + ti_fp_pkg::MulLatency + GatherLatency + CheckLatency
 ) (
   input logic clk_i,
@@ -20,9 +20,9 @@ module ti_rd_clip #(
   input ti_pkg::vec3_t box_lo_i,
   input ti_pkg::vec3_t box_hi_i,
 
-  input logic         valid_i,
-  input logic [1:0]   axis_i,  // 0, 1, 2 in consecutive valid cycles
-  input ti_pkg::ray_t ray_i,   // the same for the three
+  input logic               valid_i,
+  input logic         [1:0] axis_i,   // 0, 1, 2 in consecutive valid cycles
+  input ti_pkg::ray_t       ray_i,    // the same for the three
 
   output logic            valid_o,
   output logic            miss_o,
@@ -39,7 +39,7 @@ module ti_rd_clip #(
 
   typedef struct packed {
     logic [1:0] axis;
-    logic       bad;  // the ray as given cannot be traced
+    logic       bad;   // the ray as given cannot be traced
     fp_t        tmin;
     fp_t        tmax;
   } along_t;
@@ -61,37 +61,111 @@ module ti_rd_clip #(
   logic rcp_valid, mul_valid;
   fp_t inv, to_lo, to_hi, to_lo_mul, to_hi_mul, near_t, far_t;
 
-  ti_fp_rcp #(E, M) u_rcp (.clk_i, .rst_ni, .valid_i, .a_i(ray_i.d[axis_i]), .valid_o(rcp_valid),
-      .result_o(inv));
-  ti_fp_add #(E, M) u_lo (.clk_i, .rst_ni, .valid_i, .a_i(box_lo_i[axis_i]), .b_i(ray_i.o[axis_i]),
-      .negate_b_i(1'b1), .valid_o(), .result_o(to_lo));
-  ti_fp_add #(E, M) u_hi (.clk_i, .rst_ni, .valid_i, .a_i(box_hi_i[axis_i]), .b_i(ray_i.o[axis_i]),
-      .negate_b_i(1'b1), .valid_o(), .result_o(to_hi));
+  ti_fp_rcp #(E, M) u_rcp (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(ray_i.d[axis_i]),
+    .valid_o(rcp_valid),
+    .result_o(inv)
+  );
+  ti_fp_add #(E, M) u_lo (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(box_lo_i[axis_i]),
+    .b_i(ray_i.o[axis_i]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(to_lo)
+  );
+  ti_fp_add #(E, M) u_hi (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(box_hi_i[axis_i]),
+    .b_i(ray_i.o[axis_i]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(to_hi)
+  );
   if (RcpLatency < ti_fp_pkg::AddLatency) begin : gen_check
     $error("ti_rd_clip: the reciprocal must not be faster than the adder");
   end
-  ti_delay #(logic [2*W-1:0], RcpLatency - ti_fp_pkg::AddLatency) u_to_mul (.clk_i, .rst_ni,
-      .data_i({to_lo, to_hi}), .data_o({to_lo_mul, to_hi_mul}));
+  ti_delay #(logic [2*W-1:0], RcpLatency - ti_fp_pkg::AddLatency) u_to_mul (
+    .clk_i,
+    .rst_ni,
+    .data_i({to_lo, to_hi}),
+    .data_o({to_lo_mul, to_hi_mul})
+  );
 
   logic negative, parallel, outside;
   assign negative = inv[W-1];
   assign parallel = is_inf(inv);
-  assign outside  = (!to_lo_mul[W-1] && !is_zero(to_lo_mul)) || (to_hi_mul[W-1] && !is_zero(to_hi_mul));
+  assign outside = (!to_lo_mul[W-1] && !is_zero(
+      to_lo_mul
+  )) || (to_hi_mul[W-1] && !is_zero(
+      to_hi_mul
+  ));
 
-  ti_fp_mul #(E, M) u_near (.clk_i, .rst_ni, .valid_i(rcp_valid), .a_i(negative ? to_hi_mul : to_lo_mul),
-      .b_i(inv), .valid_o(mul_valid), .result_o(near_t));
-  ti_fp_mul #(E, M) u_far (.clk_i, .rst_ni, .valid_i(rcp_valid), .a_i(negative ? to_lo_mul : to_hi_mul),
-      .b_i(inv), .valid_o(), .result_o(far_t));
+  ti_fp_mul #(E, M) u_near (
+    .clk_i,
+    .rst_ni,
+    .valid_i(rcp_valid),
+    .a_i(negative ? to_hi_mul : to_lo_mul),
+    .b_i(inv),
+    .valid_o(mul_valid),
+    .result_o(near_t)
+  );
+  ti_fp_mul #(E, M) u_far (
+    .clk_i,
+    .rst_ni,
+    .valid_i(rcp_valid),
+    .a_i(negative ? to_lo_mul : to_hi_mul),
+    .b_i(inv),
+    .valid_o(),
+    .result_o(far_t)
+  );
 
   along_t along;
   fp_t inv_end;
   logic parallel_end, outside_end;
-  ti_delay #(along_t, RcpLatency + ti_fp_pkg::MulLatency) u_along (.clk_i, .rst_ni,
-      .data_i('{axis: axis_i, bad: !all_finite(ray_i.o) || !all_finite(ray_i.d) || is_nan(ray_i.tmin) ||
-                is_nan(ray_i.tmax), tmin: ray_i.tmin, tmax: ray_i.tmax}),
-      .data_o(along));
-  ti_delay #(logic [W+1:0], ti_fp_pkg::MulLatency) u_inv (.clk_i, .rst_ni, .data_i({inv, parallel, outside}),
-      .data_o({inv_end, parallel_end, outside_end}));
+  ti_delay #(along_t, RcpLatency + ti_fp_pkg::MulLatency) u_along (
+    .clk_i,
+    .rst_ni,
+    .data_i(
+    '{
+        axis: axis_i,
+        bad:
+        !
+        all_finite
+        (
+            ray_i.o
+        ) || !
+        all_finite
+        (
+            ray_i.d
+        ) ||
+        is_nan
+        (
+            ray_i.tmin
+        ) ||
+        is_nan
+        (
+            ray_i.tmax
+        ),
+        tmin: ray_i.tmin,
+        tmax: ray_i.tmax
+    }
+    ),
+    .data_o(along)
+  );
+  ti_delay #(logic [W+1:0], ti_fp_pkg::MulLatency) u_inv (
+    .clk_i,
+    .rst_ni,
+    .data_i({inv, parallel, outside}),
+    .data_o({inv_end, parallel_end, outside_end})
+  );
 
   // Gather the three axes.
   fp_t tmin_q, tmax_q, tmin_from, tmax_from;
@@ -103,10 +177,30 @@ module ti_rd_clip #(
   assign tmin_from = !first ? tmin_q : (along.tmin[W-1] ? '0 : along.tmin);
   assign tmax_from = !first ? tmax_q : along.tmax;
 
-  ti_fp_cmp #(E, M) u_raise (.a_i(tmin_from), .b_i(near_t), .lt_o(raise), .eq_o(), .le_o(), .unordered_o());
-  ti_fp_cmp #(E, M) u_lower (.a_i(far_t), .b_i(tmax_from), .lt_o(lower), .eq_o(), .le_o(), .unordered_o());
-  ti_fp_cmp #(E, M) u_given (.a_i(along.tmin), .b_i(along.tmax), .lt_o(), .eq_o(), .le_o(given_ordered),
-      .unordered_o());
+  ti_fp_cmp #(E, M) u_raise (
+    .a_i(tmin_from),
+    .b_i(near_t),
+    .lt_o(raise),
+    .eq_o(),
+    .le_o(),
+    .unordered_o()
+  );
+  ti_fp_cmp #(E, M) u_lower (
+    .a_i(far_t),
+    .b_i(tmax_from),
+    .lt_o(lower),
+    .eq_o(),
+    .le_o(),
+    .unordered_o()
+  );
+  ti_fp_cmp #(E, M) u_given (
+    .a_i(along.tmin),
+    .b_i(along.tmax),
+    .lt_o(),
+    .eq_o(),
+    .le_o(given_ordered),
+    .unordered_o()
+  );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) gathered_q <= 1'b0;
@@ -133,7 +227,14 @@ module ti_rd_clip #(
     tmax_out = {1'b0, tmax_q[W-2:0]};
     tmax_out = (tmax_out < ti_pkg::FpInf - fp_t'(4)) ? tmax_out + fp_t'(4) : ti_pkg::FpInf;
   end
-  ti_fp_cmp #(E, M) u_ordered (.a_i(tmin_out), .b_i(tmax_out), .lt_o(), .eq_o(), .le_o(ordered), .unordered_o());
+  ti_fp_cmp #(E, M) u_ordered (
+    .a_i(tmin_out),
+    .b_i(tmax_out),
+    .lt_o(),
+    .eq_o(),
+    .le_o(ordered),
+    .unordered_o()
+  );
   assign invalid = bad_q || all_parallel_q;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin

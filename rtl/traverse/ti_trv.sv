@@ -21,8 +21,8 @@ module ti_trv #(
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned StepLatency = GeometryLatency + ArithmeticLatency + QueueLatency
 ) (
-  input logic clk_i,
-  input logic rst_ni,
+  input logic                clk_i,
+  input logic                rst_ni,
   // Constants.  The number is a port and not a parameter so that all units are one module.
   input ti_pkg::trv_index_t  index_i,
   input ti_pkg::addr_t       node_base_i,
@@ -44,15 +44,15 @@ module ti_trv #(
   input  logic         hit_ready_i,
   output ti_pkg::hit_t hit_data_o,
 
-  output logic                line_req_valid_o,
-  input  logic                line_req_ready_i,
-  output logic [RowWidth-1:0] line_req_row_o,
-  output ti_pkg::line_addr_t  line_req_line_o,
+  output logic                              line_req_valid_o,
+  input  logic                              line_req_ready_i,
+  output logic               [RowWidth-1:0] line_req_row_o,
+  output ti_pkg::line_addr_t                line_req_line_o,
 
-  input logic                line_rsp_valid_i,
-  input logic [RowWidth-1:0] line_rsp_row_i,
-  input ti_pkg::line_t       line_rsp_data_i,
-  input logic                line_rsp_error_i,
+  input logic                         line_rsp_valid_i,
+  input logic          [RowWidth-1:0] line_rsp_row_i,
+  input ti_pkg::line_t                line_rsp_data_i,
+  input logic                         line_rsp_error_i,
 
   output ti_pkg::trv_counters_t counters_o
 );
@@ -90,7 +90,7 @@ module ti_trv #(
     interval_t               interval;
     ti_pkg::steps_t          steps;
     logic [LevelWidth-1:0]   level;
-    logic [PointerWidth-1:0] pointer;  // where the next entry goes
+    logic [PointerWidth-1:0] pointer;   // where the next entry goes
     logic                    dropped;
   } state_t;
 
@@ -240,7 +240,7 @@ module ti_trv #(
   fp_t end_t;
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(geometry_t)
   ) u_geometry (
     .clk_i,
@@ -306,7 +306,7 @@ module ti_trv #(
   end
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(state_t)
   ) u_state (
     .clk_i,
@@ -319,7 +319,7 @@ module ti_trv #(
   );
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(interval_t)
   ) u_interval (
     .clk_i,
@@ -332,7 +332,7 @@ module ti_trv #(
   );
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(node_index_t)
   ) u_index (
     .clk_i,
@@ -359,7 +359,7 @@ module ti_trv #(
   always_ff @(posedge clk_i) if (late_valid_q) state_late_q <= state_ram;
 
   ti_ram_1r1w #(
-    .Depth(StackWords),
+    .Depth (StackWords),
     .word_t(entry_t)
   ) u_stack (
     .clk_i,
@@ -415,9 +415,13 @@ module ti_trv #(
     .restart_o (restart)
   );
 
-  assign state_next.pointer = push ? above(state.pointer) : pop ? below(state.pointer) : state.pointer;
-  assign step_push          = end_valid && go && !leaf;
-  assign step_want          = '{slot: end_slot, node: next_node};
+  assign state_next.pointer = push ? above(
+      state.pointer
+  ) : pop ? below(
+      state.pointer
+  ) : state.pointer;
+  assign step_push = end_valid && go && !leaf;
+  assign step_want = '{slot: end_slot, node: next_node};
 
   always_ff @(posedge clk_i) begin
     if (end_valid) fresh_q[end_slot] <= 1'b0;
@@ -435,11 +439,13 @@ module ti_trv #(
   ) u_leaves (
     .clk_i,
     .rst_ni,
-    .push_i     (end_valid && leaf),
-    .push_data_i('{slot: end_slot, first: end_node.value, count: end_node.link[15:0], tbest: tbest}),
+    .push_i(end_valid && leaf),
+    .push_data_i(
+    '{slot: end_slot, first: end_node.value, count: end_node.link[15:0], tbest: tbest}
+    ),
     .out_valid_o(leaf_wait_valid),
     .out_ready_i(leaf_wait_take),
-    .out_data_o (leaf_wait)
+    .out_data_o(leaf_wait)
   );
 
   assign leaf_wait_take = !leaf_valid_q || leaf_ready_i;
@@ -450,7 +456,7 @@ module ti_trv #(
   always_ff @(posedge clk_i) if (leaf_wait_take) leaf_q <= leaf_wait;
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(operands_t)
   ) u_operands (
     .clk_i,
@@ -463,14 +469,14 @@ module ti_trv #(
   );
 
   assign leaf_valid_o = leaf_valid_q;
-  assign leaf_data_o  = '{
-    home: '{trv: index_i, slot: leaf_q.slot},
-    first: leaf_q.first,
-    count: leaf_q.count,
-    o: operands.o,
-    d: operands.d,
-    tbest: leaf_q.tbest
-  };
+  assign leaf_data_o = '{
+          home: '{trv: index_i, slot: leaf_q.slot},
+          first: leaf_q.first,
+          count: leaf_q.count,
+          o: operands.o,
+          d: operands.d,
+          tbest: leaf_q.tbest
+      };
 
   // ---- The way home.
   logic over_valid, over_ready;
@@ -494,38 +500,38 @@ module ti_trv #(
   ) u_return (
     .clk_i,
     .rst_ni,
-    .start_i       (start),
-    .start_ready_o (start_ready),
-    .start_slot_i  (new_slot),
-    .start_ray_i   (dispatch_data_i.ray),
-    .park_i        (end_valid && leaf),
-    .park_slot_i   (end_slot),
-    .park_count_i  (end_node.link[15:0]),
-    .park_go_i     (go),
-    .park_restart_i(restart),
-    .park_next_i   (next_node),
-    .park_exit_i   (state.interval.tmax),
-    .park_steps_i  (state_next.steps),
-    .over_valid_i  (over_valid),
-    .over_ready_o  (over_ready),
-    .over_slot_i   (over_slot.slot),
-    .over_status_i (over_slot.status),
-    .over_steps_i  (over_slot.steps),
+    .start_i         (start),
+    .start_ready_o   (start_ready),
+    .start_slot_i    (new_slot),
+    .start_ray_i     (dispatch_data_i.ray),
+    .park_i          (end_valid && leaf),
+    .park_slot_i     (end_slot),
+    .park_count_i    (end_node.link[15:0]),
+    .park_go_i       (go),
+    .park_restart_i  (restart),
+    .park_next_i     (next_node),
+    .park_exit_i     (state.interval.tmax),
+    .park_steps_i    (state_next.steps),
+    .over_valid_i    (over_valid),
+    .over_ready_o    (over_ready),
+    .over_slot_i     (over_slot.slot),
+    .over_status_i   (over_slot.status),
+    .over_steps_i    (over_slot.steps),
     .return_valid_i,
     .return_ready_o,
     .return_data_i,
-    .resume_o      (resume),
-    .resume_slot_o (resume_want.slot),
-    .resume_node_o (resume_want.node),
+    .resume_o        (resume),
+    .resume_slot_o   (resume_want.slot),
+    .resume_node_o   (resume_want.node),
     .resume_restart_o(resume_restart),
-    .tbest_read_i  (late_valid_q),
-    .tbest_slot_i  (late_slot_q),
-    .tbest_o       (tbest),
+    .tbest_read_i    (late_valid_q),
+    .tbest_slot_i    (late_slot_q),
+    .tbest_o         (tbest),
     .hit_valid_o,
     .hit_ready_i,
     .hit_data_o,
-    .free_o        (free),
-    .free_slot_o   (freed_slot)
+    .free_o          (free),
+    .free_slot_o     (freed_slot)
   );
 
   // ---- Counters.
@@ -569,8 +575,10 @@ module ti_trv #(
     $error("ti_trv: WatchdogSteps must be 1 to 65535");
   end
 
-  `TI_ASSERT(LeafHeldUntilTaken, leaf_valid_o && !leaf_ready_i |=> leaf_valid_o && $stable(leaf_data_o))
-  `TI_ASSERT(IntervalNotEmpty, end_valid && !end_error |->
-             state.interval.tmin[ti_pkg::FpWidth-2:0] < state.interval.tmax[ti_pkg::FpWidth-2:0])
+  `TI_ASSERT(LeafHeldUntilTaken, leaf_valid_o && !leaf_ready_i |=> leaf_valid_o && $stable
+                                 (leaf_data_o))
+  `TI_ASSERT(
+      IntervalNotEmpty,
+      end_valid && !end_error |-> state.interval.tmin[ti_pkg::FpWidth-2:0] < state.interval.tmax[ti_pkg::FpWidth-2:0])
 
 endmodule : ti_trv

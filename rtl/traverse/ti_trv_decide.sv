@@ -15,35 +15,35 @@ module ti_trv_decide #(
 ) (
   input ti_pkg::node_index_t root_i,
 
-  input ti_pkg::node_index_t index_i,     // of the node
-  input ti_pkg::node_t       node_i,
-  input logic                error_i,     // memory gave no node
-  input logic                negative_i,
-  input ti_pkg::fp_t         t_i,
-  input ti_pkg::fp_t         tmin_i,
-  input ti_pkg::fp_t         tmax_i,
-  input ti_pkg::fp_t         ray_tmax_i,  // end of the ray's interval, for restarts
-  input ti_pkg::fp_t         tbest_i,
-  input ti_pkg::steps_t      steps_i,     // nodes visited before this one
-  input logic [LevelWidth-1:0] level_i,   // entries on the stack
-  input logic                dropped_i,   // an entry has been dropped since the last restart
+  input ti_pkg::node_index_t index_i,  // of the node
+  input ti_pkg::node_t node_i,
+  input logic error_i,  // memory gave no node
+  input logic negative_i,
+  input ti_pkg::fp_t t_i,
+  input ti_pkg::fp_t tmin_i,
+  input ti_pkg::fp_t tmax_i,
+  input ti_pkg::fp_t ray_tmax_i,  // end of the ray's interval, for restarts
+  input ti_pkg::fp_t tbest_i,
+  input ti_pkg::steps_t steps_i,  // nodes visited before this one
+  input logic [LevelWidth-1:0] level_i,  // entries on the stack
+  input logic dropped_i,  // an entry has been dropped since the last restart
   input ti_pkg::node_index_t top_node_i,
-  input ti_pkg::fp_t         top_tmax_i,
+  input ti_pkg::fp_t top_tmax_i,
 
-  output ti_pkg::steps_t      steps_o,   // this node included, unless the watchdog stops before it
-  output logic                go_o,      // visit `next_o`, at once or after the leaf's triangles
+  output ti_pkg::steps_t steps_o,  // this node included, unless the watchdog stops before it
+  output logic go_o,  // visit `next_o`, at once or after the leaf's triangles
   output ti_pkg::node_index_t next_o,
-  output logic                leaf_o,    // test the triangles of this leaf
-  output logic                over_o,    // the ray ends here, with `status_o`
-  output ti_pkg::status_e     status_o,
-  output ti_pkg::fp_t         tmin_o,
-  output ti_pkg::fp_t         tmax_o,
+  output logic leaf_o,  // test the triangles of this leaf
+  output logic over_o,  // the ray ends here, with `status_o`
+  output ti_pkg::status_e status_o,
+  output ti_pkg::fp_t tmin_o,
+  output ti_pkg::fp_t tmax_o,
   output logic [LevelWidth-1:0] level_o,
-  output logic                dropped_o,
-  output logic                push_o,    // (far_o, tmax_i) onto the stack
+  output logic dropped_o,
+  output logic push_o,  // (far_o, tmax_i) onto the stack
   output ti_pkg::node_index_t far_o,
-  output logic                pop_o,
-  output logic                restart_o
+  output logic pop_o,
+  output logic restart_o
 );
 
   localparam int unsigned E = ti_pkg::ExpBits;
@@ -61,9 +61,22 @@ module ti_trv_decide #(
   assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
 
   // An inner node compares t with both ends; a leaf compares the best t with its exit.
-  ti_fp_cmp #(E, M) u_tmax (.a_i(t_i), .b_i(tmax_i), .lt_o(below_tmax), .eq_o(), .le_o(), .unordered_o());
-  ti_fp_cmp #(E, M) u_tmin (.a_i(is_leaf ? tbest_i : t_i), .b_i(is_leaf ? tmax_i : tmin_i), .lt_o(),
-      .eq_o(), .le_o(up_to_tmin), .unordered_o());
+  ti_fp_cmp #(E, M) u_tmax (
+    .a_i(t_i),
+    .b_i(tmax_i),
+    .lt_o(below_tmax),
+    .eq_o(),
+    .le_o(),
+    .unordered_o()
+  );
+  ti_fp_cmp #(E, M) u_tmin (
+    .a_i(is_leaf ? tbest_i : t_i),
+    .b_i(is_leaf ? tmax_i : tmin_i),
+    .lt_o(),
+    .eq_o(),
+    .le_o(up_to_tmin),
+    .unordered_o()
+  );
   assign best_ends = up_to_tmin;
 
   always_comb begin

@@ -25,7 +25,7 @@ module ti_trv_return #(
   input logic                park_i,
   input ti_pkg::trv_slot_t   park_slot_i,
   input ti_pkg::tri_count_t  park_count_i,
-  input logic                park_go_i,    // there is more to visit after it
+  input logic                park_go_i,       // there is more to visit after it
   input logic                park_restart_i,  // that is the root again
   input ti_pkg::node_index_t park_next_i,
   input ti_pkg::fp_t         park_exit_i,
@@ -57,7 +57,7 @@ module ti_trv_return #(
   input  logic         hit_ready_i,
   output ti_pkg::hit_t hit_data_o,
 
-  output logic              free_o,       // the slot's ray has retired
+  output logic              free_o,      // the slot's ray has retired
   output ti_pkg::trv_slot_t free_slot_o
 );
 
@@ -105,7 +105,7 @@ module ti_trv_return #(
   ti_pkg::steps_t over_steps_q;
   logic over_q, prefer_over_q;
   start_t start;
-  park_t park;
+  park_t  park;
   best_t best, best_ram, new_best_q;
   logic new_best_valid_q;
 
@@ -117,35 +117,49 @@ module ti_trv_return #(
   fp_t cmp_a, cmp_b;
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(start_t)
   ) u_start (
     .clk_i,
-    .read_en_i   (load),
-    .read_addr_i (load_slot),
-    .read_data_o (start),
-    .write_en_i  (start_i),
+    .read_en_i(load),
+    .read_addr_i(load_slot),
+    .read_data_o(start),
+    .write_en_i(start_i),
     .write_addr_i(start_slot_i),
-    .write_data_i('{ray_id: start_ray_i.ray_id, any_hit: start_ray_i.any_hit, tmin: start_ray_i.tmin,
-                    tmax: start_ray_i.tmax})
+    .write_data_i(
+    '{
+        ray_id: start_ray_i.ray_id,
+        any_hit: start_ray_i.any_hit,
+        tmin: start_ray_i.tmin,
+        tmax: start_ray_i.tmax
+    }
+    )
   );
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(park_t)
   ) u_park (
     .clk_i,
-    .read_en_i   (load),
-    .read_addr_i (load_slot),
-    .read_data_o (park),
-    .write_en_i  (park_i),
+    .read_en_i(load),
+    .read_addr_i(load_slot),
+    .read_data_o(park),
+    .write_en_i(park_i),
     .write_addr_i(park_slot_i),
-    .write_data_i('{count: park_count_i, go: park_go_i, restart: park_restart_i, next: park_next_i, exit: park_exit_i,
-                    steps: park_steps_i})
+    .write_data_i(
+    '{
+        count: park_count_i,
+        go: park_go_i,
+        restart: park_restart_i,
+        next: park_next_i,
+        exit: park_exit_i,
+        steps: park_steps_i
+    }
+    )
   );
 
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(best_t)
   ) u_best (
     .clk_i,
@@ -158,11 +172,11 @@ module ti_trv_return #(
   );
 
   // A copy of the best t for the step pipeline; a start writes the ray's tmax into it.
-  logic start_hold_q;
+  logic  start_hold_q;
   slot_t start_hold_slot_q;
-  fp_t start_hold_tmax_q;
+  fp_t   start_hold_tmax_q;
   ti_ram_1r1w #(
-    .Depth(NumSlots),
+    .Depth (NumSlots),
     .word_t(ti_pkg::fp_t)
   ) u_tbest (
     .clk_i,
@@ -241,8 +255,14 @@ module ti_trv_return #(
       cmp_b = park.exit;
     end
   end
-  ti_fp_cmp #(ti_pkg::ExpBits, ti_pkg::FracBits) u_cmp (.a_i(cmp_a), .b_i(cmp_b), .lt_o(lt),
-      .eq_o(eq), .le_o(le), .unordered_o());
+  ti_fp_cmp #(ti_pkg::ExpBits, ti_pkg::FracBits) u_cmp (
+    .a_i(cmp_a),
+    .b_i(cmp_b),
+    .lt_o(lt),
+    .eq_o(eq),
+    .le_o(le),
+    .unordered_o()
+  );
 
   assign take_hit = state_q == Accept && (lt || (eq && token_q.prim < best.prim));
   assign all_back = back_q[slot_q] + token_q.count == park.count;
@@ -300,7 +320,7 @@ module ti_trv_return #(
   assign resume_slot_o = slot_q;
   assign resume_node_o = park.next;
   assign resume_restart_o = park.restart;
-  assign free_slot_o   = slot_q;
+  assign free_slot_o = slot_q;
 
   // A ray that ends badly reports no hit; an any-hit ray reports only that it hit.
   logic reports_hit;

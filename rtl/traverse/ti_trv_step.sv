@@ -7,23 +7,23 @@
 /// through; its t means nothing.
 module ti_trv_step #(
   /// Width of what travels along untouched.
-  parameter int unsigned TagWidth = 1,
-  localparam int unsigned Latency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
+  parameter  int unsigned TagWidth = 1,
+  localparam int unsigned Latency  = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
 
-  input logic                valid_i,
-  input logic [TagWidth-1:0] tag_i,
-  input ti_pkg::node_t       node_i,
-  input ti_pkg::vec3_t       o_i,
-  input ti_pkg::vec3_t       inv_i,
+  input logic                         valid_i,
+  input logic          [TagWidth-1:0] tag_i,
+  input ti_pkg::node_t                node_i,
+  input ti_pkg::vec3_t                o_i,
+  input ti_pkg::vec3_t                inv_i,
 
-  output logic                valid_o,
-  output logic [TagWidth-1:0] tag_o,
-  output ti_pkg::node_t       node_o,
-  output logic                negative_o,  // sign of the direction on the node's axis
-  output ti_pkg::fp_t         t_o
+  output logic                         valid_o,
+  output logic          [TagWidth-1:0] tag_o,
+  output ti_pkg::node_t                node_o,
+  output logic                         negative_o,  // sign of the direction on the node's axis
+  output ti_pkg::fp_t                  t_o
 );
 
   localparam int unsigned E = ti_pkg::ExpBits;
@@ -37,11 +37,31 @@ module ti_trv_step #(
   assign axis  = inner ? node_i.axis : 2'd0;
   assign inv   = inv_i[axis];
 
-  ti_fp_add #(E, M) u_to_plane (.clk_i, .rst_ni, .valid_i(inner), .a_i(node_i.value[E+M:0]),
-      .b_i(o_i[axis]), .negate_b_i(1'b1), .valid_o(to_plane_valid), .result_o(to_plane));
-  ti_delay #(ti_pkg::fp_t, ti_fp_pkg::AddLatency) u_inv (.clk_i, .rst_ni, .data_i(inv), .data_o(inv_mul));
-  ti_fp_mul #(E, M) u_t (.clk_i, .rst_ni, .valid_i(to_plane_valid), .a_i(to_plane), .b_i(inv_mul),
-      .valid_o(), .result_o(t_o));
+  ti_fp_add #(E, M) u_to_plane (
+    .clk_i,
+    .rst_ni,
+    .valid_i(inner),
+    .a_i(node_i.value[E+M:0]),
+    .b_i(o_i[axis]),
+    .negate_b_i(1'b1),
+    .valid_o(to_plane_valid),
+    .result_o(to_plane)
+  );
+  ti_delay #(ti_pkg::fp_t, ti_fp_pkg::AddLatency) u_inv (
+    .clk_i,
+    .rst_ni,
+    .data_i(inv),
+    .data_o(inv_mul)
+  );
+  ti_fp_mul #(E, M) u_t (
+    .clk_i,
+    .rst_ni,
+    .valid_i(to_plane_valid),
+    .a_i(to_plane),
+    .b_i(inv_mul),
+    .valid_o(),
+    .result_o(t_o)
+  );
 
   logic [Latency-1:0] valid_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -50,7 +70,13 @@ module ti_trv_step #(
   end
   assign valid_o = valid_q[Latency-1];
 
-  ti_delay #(logic [$bits(ti_pkg::node_t)+TagWidth:0], Latency) u_along (.clk_i, .rst_ni,
-      .data_i({inv[ti_pkg::FpWidth-1], node_i, tag_i}), .data_o({negative_o, node_o, tag_o}));
+  ti_delay #(logic [$bits(
+ti_pkg::node_t
+)+TagWidth:0], Latency) u_along (
+    .clk_i,
+    .rst_ni,
+    .data_i({inv[ti_pkg::FpWidth-1], node_i, tag_i}),
+    .data_o({negative_o, node_o, tag_o})
+  );
 
 endmodule : ti_trv_step

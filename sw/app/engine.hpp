@@ -27,15 +27,16 @@ struct RtlCounters {
   std::uint64_t cycles = 0;
   std::uint64_t dram_bytes = 0;
   double seconds = 0.0;  ///< of the host, simulation and lock-step comparison together
-  double trv_busy = 0.0, list_busy = 0.0, ist1_busy = 0.0, ist2_busy = 0.0;  ///< share of the cycles, mean over units
+  double trv_busy = 0.0, list_busy = 0.0, ist1_busy = 0.0,
+         ist2_busy = 0.0;  ///< share of the cycles, mean over units
   std::vector<CacheCounters> caches;
 };
 
 /// Comparison with the model, ray by ray.
 struct LockStep {
   bool on = false;
-  std::uint64_t mismatches = 0;  ///< hits, status or step counts that differ
-  bool work_differs = false;     ///< the sums over all rays differ
+  std::uint64_t mismatches = 0;       ///< hits, status or step counts that differ
+  bool work_differs = false;          ///< the sums over all rays differ
   std::vector<std::string> examples;  ///< up to 4, what differs in which ray
 };
 
@@ -49,11 +50,11 @@ struct EngineResult {
 
 /// Settings of the simulated machine's surroundings.
 struct RtlOptions {
-  int memory_latency = 100;        ///< cycles from a request to its answer
+  int memory_latency = 100;  ///< cycles from a request to its answer
   double memory_bytes_per_cycle = 64.0;
-  std::uint64_t stall_seed = 0;    ///< not 0: random stalls on every port
-  double stall_share = 0.3;        ///< share of the cycles with a stall, when there are any
-  std::uint64_t error_every = 0;   ///< not 0: each n-th memory answer is an error
+  std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port
+  double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
+  std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
   bool lock_step = true;
   bool progress = true;
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
@@ -67,9 +68,11 @@ class Engine {
   [[nodiscard]] virtual EngineResult trace(std::span<const Ray> rays) = 0;
 };
 
-/// The RTL under Verilator, for the configuration that this program was built for. Throws `Error` when `config` is another one or
-/// when the program was built without the RTL. `image` and `model` must outlive it.
-[[nodiscard]] std::unique_ptr<Engine> make_rtl_engine(const Image& image, const Config& config, const Tracer& model,
+/// The RTL under Verilator, for the configuration that this program was built for. Throws `Error`
+/// when `config` is another one or when the program was built without the RTL. `image` and `model`
+/// must outlive it.
+[[nodiscard]] std::unique_ptr<Engine> make_rtl_engine(const Image& image, const Config& config,
+                                                      const Tracer& model,
                                                       const RtlOptions& options);
 
 /// The bit-exact model alone.

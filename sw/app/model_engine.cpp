@@ -20,6 +20,8 @@ class ModelEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_model_engine(const Tracer& model) { return std::make_unique<ModelEngine>(model); }
+std::unique_ptr<Engine> make_model_engine(const Tracer& model) {
+  return std::make_unique<ModelEngine>(model);
+}
 
 }  // namespace ti

@@ -4,8 +4,11 @@
 
 namespace ti {
 
-std::unique_ptr<Engine> make_rtl_engine(const Image&, const Config&, const Tracer&, const RtlOptions&) {
-  throw Error("this program was built without the RTL: use ENGINE=model or ENGINE=embree, or start it by `make render`");
+std::unique_ptr<Engine> make_rtl_engine(const Image&, const Config&, const Tracer&,
+                                        const RtlOptions&) {
+  throw Error(
+      "this program was built without the RTL: use ENGINE=model or ENGINE=embree, or start it by "
+      "`make render`");
 }
 
 }  // namespace ti

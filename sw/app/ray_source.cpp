@@ -16,7 +16,8 @@
 namespace ti {
 namespace {
 
-constexpr std::array<std::string_view, 6> kKinds{"random", "inside", "primary", "ao", "diffuse", "shadow"};
+constexpr std::array<std::string_view, 6> kKinds{"random", "inside",  "primary",
+                                                 "ao",     "diffuse", "shadow"};
 constexpr int kAoSamples = 16;
 constexpr double kAoRadius = 0.05;  // of the diagonal
 
@@ -26,10 +27,12 @@ std::vector<Ray> camera_rays(const Scene& scene, std::size_t count, std::uint64_
   return primary_rays(scene.camera, side, side, 1, seed).rays;
 }
 
-std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tracer& model, Format format,
-                           std::uint64_t seed) {
+std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tracer& model,
+                           Format format, std::uint64_t seed) {
   const std::size_t lights = std::max<std::size_t>(1, scene.lights.size());
-  const std::size_t per_hit = source.kind == "ao" ? kAoSamples : source.kind == "shadow" ? lights : 1;
+  const std::size_t per_hit = source.kind == "ao"       ? kAoSamples
+                              : source.kind == "shadow" ? lights
+                                                        : 1;
   const std::vector<Ray> rays = camera_rays(scene, (source.count + per_hit - 1) / per_hit, seed);
   Work work;
   std::vector<Hit> hits;
@@ -40,7 +43,8 @@ std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tr
   if (source.kind == "shadow") return shadow_rays(scene.mesh, rays, hits, scene.lights);
   const auto bounds = bounds_of(scene.mesh);
   const double diagonal = bounds ? bounds->diagonal() : 0.0;
-  return ao_rays(scene.mesh, rays, hits, kAoSamples, static_cast<float>(kAoRadius * diagonal), seed);
+  return ao_rays(scene.mesh, rays, hits, kAoSamples, static_cast<float>(kAoRadius * diagonal),
+                 seed);
 }
 
 }  // namespace
@@ -49,7 +53,8 @@ RaySource parse_ray_source(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string kind = text.substr(0, colon);
   if (colon == std::string::npos || std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
-    if (text.empty()) throw Error("RAYS=: give a file rays.npy, or KIND:COUNT such as random:100000");
+    if (text.empty())
+      throw Error("RAYS=: give a file rays.npy, or KIND:COUNT such as random:100000");
     return {.file = text, .kind = {}, .count = 0};
   }
   std::size_t count = 0;
@@ -62,8 +67,8 @@ RaySource parse_ray_source(const std::string& text) {
   return {.file = {}, .kind = kind, .count = count};
 }
 
-std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tracer& model, Format format,
-                           std::uint64_t seed) {
+std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tracer& model,
+                           Format format, std::uint64_t seed) {
   std::vector<Ray> rays;
   if (source.kind == "random") {
     rays = random_rays(scene.mesh, source.count, seed);
@@ -76,8 +81,9 @@ std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tr
   }
   if (rays.size() > source.count) rays.resize(source.count);
   if (rays.empty()) {
-    throw Error(fmt::format("RAYS={}:{}: the scene gives no such ray, as no camera ray hits it or it has no light", source.kind,
-                            source.count));
+    throw Error(fmt::format(
+        "RAYS={}:{}: the scene gives no such ray, as no camera ray hits it or it has no light",
+        source.kind, source.count));
   }
   return rays;
 }

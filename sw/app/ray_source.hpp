@@ -14,20 +14,23 @@ namespace ti {
 
 /// Where rays come from: a file, or `KIND:COUNT` to make them.
 ///
-/// Kinds: `random` (around the mesh), `inside` (in its box, any direction), `primary` (camera), and from the hits of primary rays `ao` (16 any-hit rays a
-/// hit, 5 % of the scene's diagonal long), `diffuse` (one cosine-distributed closest-hit ray a hit), `shadow` (one any-hit ray a hit and light).
+/// Kinds: `random` (around the mesh), `inside` (in its box, any direction), `primary` (camera), and
+/// from the hits of primary rays `ao` (16 any-hit rays a hit, 5 % of the scene's diagonal long),
+/// `diffuse` (one cosine-distributed closest-hit ray a hit), `shadow` (one any-hit ray a hit and
+/// light).
 struct RaySource {
   std::string file;  ///< empty: made
   std::string kind;
   std::size_t count = 0;
 };
 
-/// Reads the text of RAYS=. Throws `Error` for an empty text, an unknown kind or a count that is not 1 to 10^9.
+/// Reads the text of RAYS=. Throws `Error` for an empty text, an unknown kind or a count that is
+/// not 1 to 10^9.
 [[nodiscard]] RaySource parse_ray_source(const std::string& text);
 
-/// The rays; `model` finds the hits that secondary rays start from. Secondary kinds may give fewer than asked for when
-/// primary rays miss. Throws `Error` when there are none.
-[[nodiscard]] std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tracer& model, Format format,
-                                         std::uint64_t seed);
+/// The rays; `model` finds the hits that secondary rays start from. Secondary kinds may give fewer
+/// than asked for when primary rays miss. Throws `Error` when there are none.
+[[nodiscard]] std::vector<Ray> make_rays(const RaySource& source, const Scene& scene,
+                                         const Tracer& model, Format format, std::uint64_t seed);
 
 }  // namespace ti

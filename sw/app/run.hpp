@@ -23,7 +23,7 @@ struct RunOptions {
   EngineKind engine = EngineKind::Rtl;
   Layout layout = Layout::Odfl;
   RtlOptions rtl;
-  bool truth = true;  ///< compare with Embree and exact arithmetic
+  bool truth = true;                     ///< compare with Embree and exact arithmetic
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits, by model and RTL
   std::filesystem::path out;             ///< folder for what is written
 };
@@ -31,8 +31,8 @@ struct RunOptions {
 /// A scene with its tree and the engine that traces it.
 class Session {
  public:
-  /// Builds the tree, or loads its image, and prints a line on it. Throws `Error`, also for a mesh that has triangles of which
-  /// none is usable.
+  /// Builds the tree, or loads its image, and prints a line on it. Throws `Error`, also for a mesh
+  /// that has triangles of which none is usable.
   Session(const RunOptions& options, Scene scene);
 
   struct Outcome {
@@ -43,7 +43,8 @@ class Session {
 
     /// Rays that retired with this status.
     [[nodiscard]] std::uint64_t with_status(Status status) const;
-    /// No mismatch, nothing unexplained, lost or duplicated, no ray ended by the memory or the watchdog.
+    /// No mismatch, nothing unexplained, lost or duplicated, no ray ended by the memory or the
+    /// watchdog.
     [[nodiscard]] bool good() const;
   };
   [[nodiscard]] Outcome trace(std::span<const Ray> rays) const;
@@ -57,7 +58,8 @@ class Session {
   [[nodiscard]] const Image& image() const { return image_; }
 
  private:
-  void log_steps(std::span<const Ray> rays, const Tracer& model, const std::filesystem::path& file) const;
+  void log_steps(std::span<const Ray> rays, const Tracer& model,
+                 const std::filesystem::path& file) const;
 
   RunOptions options_;
   Scene scene_;

@@ -8,7 +8,8 @@
 
 namespace ti {
 
-/// The keys of `configs/<name>.yaml` that programs need; read from the `config.json` that `scripts/configure.py` writes.
+/// The keys of `configs/<name>.yaml` that programs need; read from the `config.json` that
+/// `scripts/configure.py` writes.
 struct Config {
   std::string name = "paper";
   Format format;

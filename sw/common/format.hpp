@@ -5,7 +5,8 @@
 
 namespace ti {
 
-/// A binary floating-point format: sign, `exp_bits` of exponent, `frac_bits` of fraction, IEEE 754 rules.
+/// A binary floating-point format: sign, `exp_bits` of exponent, `frac_bits` of fraction, IEEE 754
+/// rules.
 struct Format {
   int exp_bits = 8;    ///< 3 to 8
   int frac_bits = 23;  ///< 2 to 23
@@ -16,7 +17,8 @@ struct Format {
   [[nodiscard]] int bias() const { return (1 << (exp_bits - 1)) - 1; }
 };
 
-/// Bits (right-aligned) of the value of `format` nearest to `value`, ties to even; NaN becomes the canonical quiet NaN.
+/// Bits (right-aligned) of the value of `format` nearest to `value`, ties to even; NaN becomes the
+/// canonical quiet NaN.
 [[nodiscard]] std::uint32_t round_to_bits(Format format, double value);
 
 /// The exact value that `bits` stands for in `format`.

@@ -9,7 +9,8 @@
 
 namespace ti {
 
-/// rays.npy: float32 [N,8]: origin xyz, tmin, direction xyz, tmax. Any other shape, type or a cut file throws `Error`.
+/// rays.npy: float32 [N,8]: origin xyz, tmin, direction xyz, tmax. Any other shape, type or a cut
+/// file throws `Error`.
 [[nodiscard]] std::vector<Ray> load_rays(const std::filesystem::path& path);
 void save_rays(const std::filesystem::path& path, std::span<const Ray> rays);
 /// hits.npy: float32 [N,3]: t, u, v.

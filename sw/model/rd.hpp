@@ -29,9 +29,11 @@ struct Clipped {
   F tmin, tmax;  ///< interval of the traversal, 0 <= tmin < tmax unless `miss`
 };
 
-/// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward by 4 ulp.
+/// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward by 4
+/// ulp.
 ///
-/// Bit-exact model of `ti_rd_clip`. Slabs after Kay and Kajiya 1986; an axis whose inverse is infinite sets no bound.
+/// Bit-exact model of `ti_rd_clip`. Slabs after Kay and Kajiya 1986; an axis whose inverse is
+/// infinite sets no bound.
 template <class F>
 [[nodiscard]] Clipped<F> clip(const Box<F>& box, const FpRay<F>& ray) {
   Clipped<F> out;

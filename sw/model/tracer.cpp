@@ -65,8 +65,8 @@ class TracerOf final : public Tracer {
     return hit;
   }
 
-  [[nodiscard]] HitBits walk(const model::FpRay<F>& ray, const model::Clipped<F>& clipped, Work& work,
-                             const Log* log) const {
+  [[nodiscard]] HitBits walk(const model::FpRay<F>& ray, const model::Clipped<F>& clipped,
+                             Work& work, const Log* log) const {
     model::ShortStack<F> stack(static_cast<std::size_t>(options_.stack_depth));
     F tmin = clipped.tmin;
     F tmax = clipped.tmax;
@@ -76,7 +76,8 @@ class TracerOf final : public Tracer {
 
     for (;;) {
       ++work.steps;
-      if (steps >= static_cast<std::uint32_t>(options_.watchdog_steps)) return miss(Status::Watchdog, steps);
+      if (steps >= static_cast<std::uint32_t>(options_.watchdog_steps))
+        return miss(Status::Watchdog, steps);
       ++steps;
       const ImageNode node = nodes_[index];
       if (!node.is_leaf()) {
@@ -141,7 +142,8 @@ class TracerOf final : public Tracer {
       ++work.c_tests;
       const auto c = model::pass_c(*b);
       if (!c || !(ray.tmin <= c->t)) continue;
-      if (c->t < best.t || (c->t == best.t && plane.prim < best.prim)) best = {c->t, c->u, c->v, plane.prim};
+      if (c->t < best.t || (c->t == best.t && plane.prim < best.prim))
+        best = {c->t, c->u, c->v, plane.prim};
     }
   }
 
@@ -164,9 +166,10 @@ struct Builder {
 };
 
 template <int E, int M>
-constexpr Builder kBuilder{Format{E, M}, [](const Image& image, const Tracer::Options& options) {
-                             return std::unique_ptr<Tracer>(std::make_unique<TracerOf<Fp<E, M>>>(image, options));
-                           }};
+constexpr Builder kBuilder{
+    Format{E, M}, [](const Image& image, const Tracer::Options& options) {
+      return std::unique_ptr<Tracer>(std::make_unique<TracerOf<Fp<E, M>>>(image, options));
+    }};
 
 constexpr std::array kBuilders{kBuilder<8, 23>, kBuilder<8, 20>, kBuilder<7, 16>, kBuilder<8, 16>,
                                kBuilder<8, 13>, kBuilder<5, 10>, kBuilder<8, 10>};
@@ -188,15 +191,18 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
   for (const Builder& builder : kBuilders) {
     if (builder.format == image.format()) return builder.create(image, options);
   }
-  throw Error(fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it to kBuilders in "
-                          "sw/model/tracer.cpp",
-                          image.format().exp_bits, image.format().frac_bits, tracer_formats()));
+  throw Error(
+      fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it "
+                  "to kBuilders in "
+                  "sw/model/tracer.cpp",
+                  image.format().exp_bits, image.format().frac_bits, tracer_formats()));
 }
 
 std::string tracer_formats() {
   std::string text;
   for (const Builder& builder : kBuilders) {
-    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", builder.format.exp_bits, builder.format.frac_bits);
+    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", builder.format.exp_bits,
+                        builder.format.frac_bits);
   }
   return text;
 }

@@ -43,13 +43,16 @@ class Tracer {
     int watchdog_steps = 65535;
   };
 
-  /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format that the model is not built for.
+  /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format that the model
+  /// is not built for.
   [[nodiscard]] static std::unique_ptr<Tracer> create(const Image& image, const Options& options);
   virtual ~Tracer() = default;
 
-  /// One ray; adds to `work`. With `log`, hands one line a node visited to it (see `docs/step-log.md`). Safe to call from several threads.
+  /// One ray; adds to `work`. With `log`, hands one line a node visited to it (see
+  /// `docs/step-log.md`). Safe to call from several threads.
   using Log = std::function<void(const std::string&)>;
-  [[nodiscard]] virtual HitBits trace(const Ray& ray, Work& work, const Log* log = nullptr) const = 0;
+  [[nodiscard]] virtual HitBits trace(const Ray& ray, Work& work,
+                                      const Log* log = nullptr) const = 0;
 
   /// All rays on all processors, in the order of `rays`.
   [[nodiscard]] std::vector<HitBits> trace(std::span<const Ray> rays, Work& work) const;

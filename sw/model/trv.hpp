@@ -9,7 +9,8 @@
 
 namespace ti::model {
 
-/// t at which a ray crosses the split plane; NaN exactly when it is parallel to the plane and in it.
+/// t at which a ray crosses the split plane; NaN exactly when it is parallel to the plane and in
+/// it.
 ///
 /// Bit-exact model of `ti_trv_step`.
 template <class F>
@@ -27,7 +28,8 @@ template <class F>
   return t <= tmin ? Side::Far : Side::Both;
 }
 
-/// The children in the order of the ray: near is the adjacent one exactly when sign XNOR reorder flag.
+/// The children in the order of the ray: near is the adjacent one exactly when sign XNOR reorder
+/// flag.
 struct Children {
   std::uint32_t near, far;
 };

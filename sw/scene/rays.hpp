@@ -10,34 +10,41 @@
 
 namespace ti {
 
-/// Primary rays through the pixel centres (spp = 1) or a stratified jitter (spp > 1), spp rays a pixel, rows from the top.
-/// `pixel` order is Morton within the frame so that rays that are dealt together lie together; `index[i]` is y * width + x of ray i.
+/// Primary rays through the pixel centres (spp = 1) or a stratified jitter (spp > 1), spp rays a
+/// pixel, rows from the top. `pixel` order is Morton within the frame so that rays that are dealt
+/// together lie together; `index[i]` is y * width + x of ray i.
 struct PrimaryRays {
   std::vector<Ray> rays;
   std::vector<std::uint32_t> index;
 };
-[[nodiscard]] PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp, std::uint64_t seed);
+[[nodiscard]] PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp,
+                                       std::uint64_t seed);
 
-/// Ambient occlusion: `samples` cosine-distributed any-hit rays of length `radius` from each hit; misses spawn none.
-[[nodiscard]] std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits, int samples,
-                                       float radius, std::uint64_t seed);
+/// Ambient occlusion: `samples` cosine-distributed any-hit rays of length `radius` from each hit;
+/// misses spawn none.
+[[nodiscard]] std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays,
+                                       std::span<const Hit> hits, int samples, float radius,
+                                       std::uint64_t seed);
 
 /// One cosine-distributed closest-hit ray from each hit.
-[[nodiscard]] std::vector<Ray> diffuse_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
-                                            std::uint64_t seed);
+[[nodiscard]] std::vector<Ray> diffuse_rays(const Mesh& mesh, std::span<const Ray> rays,
+                                            std::span<const Hit> hits, std::uint64_t seed);
 
 /// One any-hit ray from each hit to each light, with tmax just short of the light.
-[[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
+[[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, std::span<const Ray> rays,
+                                           std::span<const Hit> hits,
                                            std::span<const PointLight> lights);
 
-/// `count` rays with origins uniform in a sphere around the mesh (1.2 of its radius) and directions uniform on the sphere.
+/// `count` rays with origins uniform in a sphere around the mesh (1.2 of its radius) and directions
+/// uniform on the sphere.
 [[nodiscard]] std::vector<Ray> random_rays(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
 /// `count` rays with origins uniform in the box of the mesh and directions uniform on the sphere.
 [[nodiscard]] std::vector<Ray> inside_rays(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
-/// Linear colour of each hit by its geometric normal (two-sided), the lights of the scene (or a headlight) and its material;
-/// no secondary rays. Misses are the background.
-[[nodiscard]] std::vector<glm::vec3> shade(const Scene& scene, std::span<const Ray> rays, std::span<const Hit> hits);
+/// Linear colour of each hit by its geometric normal (two-sided), the lights of the scene (or a
+/// headlight) and its material; no secondary rays. Misses are the background.
+[[nodiscard]] std::vector<glm::vec3> shade(const Scene& scene, std::span<const Ray> rays,
+                                           std::span<const Hit> hits);
 
 }  // namespace ti

@@ -12,8 +12,8 @@ namespace ti {
 
 struct Material {
   std::string name = "default";
-  glm::vec3 diffuse{0.7F};    ///< Kd, linear
-  glm::vec3 emission{0.0F};   ///< Ke, linear
+  glm::vec3 diffuse{0.7F};   ///< Kd, linear
+  glm::vec3 emission{0.0F};  ///< Ke, linear
 };
 
 /// Pinhole camera.
@@ -38,10 +38,11 @@ struct Scene {
   std::vector<std::string> warnings;
 };
 
-/// Loads glTF 2.0 (.gltf, .glb), OBJ, PLY or .ply.zst; beside it `<stem>.json` for what the file does not have
-/// (camera {eye, target, up, fov_y_deg}, lights, materials with Kd and Ke: the form of the benchmark scenes).
-/// Without any camera one is chosen that sees the whole mesh. A mesh may be empty: `Scene::mesh` then has no triangle.
-/// Throws `Error` in one sentence that names the file, the place and the cure.
+/// Loads glTF 2.0 (.gltf, .glb), OBJ, PLY or .ply.zst; beside it `<stem>.json` for what the file
+/// does not have (camera {eye, target, up, fov_y_deg}, lights, materials with Kd and Ke: the form
+/// of the benchmark scenes). Without any camera one is chosen that sees the whole mesh. A mesh may
+/// be empty: `Scene::mesh` then has no triangle. Throws `Error` in one sentence that names the
+/// file, the place and the cure.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& path);
 
 }  // namespace ti

@@ -67,12 +67,12 @@ class Run:
         return f"{self.command}\nstatus {self.status}\n{self.stdout}{self.stderr}"
 
 
-def call(command, out=None, **environment):
+def call(command, out=None):
     """Run a command from the root of the project."""
     finished = subprocess.run(
         [str(word) for word in command],
         cwd=ROOT,
-        env=_environment() | environment,
+        env=_environment(),
         capture_output=True,
         text=True,
         errors="replace",

@@ -56,7 +56,9 @@ def knot():
 @pytest.fixture(params=["cornell", "knot"])
 def scene(request):
     """A small scene and a large one."""
-    return SCENES / "cornell.gltf" if request.param == "cornell" else request.getfixturevalue("knot")
+    return (
+        SCENES / "cornell.gltf" if request.param == "cornell" else request.getfixturevalue("knot")
+    )
 
 
 @pytest.fixture

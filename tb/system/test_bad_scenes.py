@@ -86,7 +86,8 @@ def flat(count):
 
 
 NAN = [(float("nan"), 0, 0), *SQUARE[1:3]]
-FAR = [(-3e38, 0, 0), (3.4e38, 0, 0), (0, 3.4e38, 0)]
+MAX = 3.4028234663852886e38
+FAR = [(-MAX, 0, 0), (MAX, 0, 0), (0, MAX, 0)]
 HALF = len(glb()) // 2
 
 BAD = {  # name of the file, its bytes, what the sentence must say
@@ -108,7 +109,7 @@ BAD = {  # name of the file, its bytes, what the sentence must say
     "unknown-ending": ("a.stl", ply(), ["extension", ".gltf", ".ply.zst"]),
     "only-flat-triangles": ("a.ply", flat(6), ["none of its 6 triangles", "6 of zero area"]),
     "only-nan": ("a.ply", ply(NAN, [(0, 1, 2)]), ["none of its 1 triangles", "1 not finite"]),
-    "too-large-for-the-format": ("a.ply", ply(FAR, [(0, 1, 2)]), []),
+    "too-large-for-the-format": ("a.ply", ply(FAR, [(0, 1, 2)]), ["scale the mesh down"]),
 }
 BAD_SIDECARS = {
     "not-json": ('{"camera": ', ["line 1", "JSON"]),
