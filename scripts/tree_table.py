@@ -3,8 +3,8 @@
 
 usage: tree_table.py TI CONFIG_JSON SCENES_FOLDER [RAYS]
 
-The published figures are those of an independent study with its own builder (docs/tree.md); its steps are inner
-nodes, so they stand beside ours without leaves.  Scenes that are missing are skipped with a message.
+The published figures are those of an independent study with its own builder; its steps are
+inner nodes, so ours stand beside them without leaves.  Missing scenes are skipped with a message.
 """
 
 import json
@@ -12,6 +12,8 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+HEADINGS = ("steps", "leaves", "full", "tests")
 
 # Scene, kind: inner steps, leaves, leaves with triangles, tests a ray.
 PUBLISHED = {
@@ -47,9 +49,7 @@ def measure(ti, config, scene, kind, count):
 
 
 def main(ti, config, folder, count="200000"):
-    print(
-        f"{'scene':14} {'rays':8} {'steps':>12} {'leaves':>11} {'full':>11} {'tests':>11} {'build s':>8}"
-    )
+    print(f"{'scene':14} {'rays':8}", *(f"{h:>11}" for h in HEADINGS), f"{'build s':>8}")
     for (name, kind), published in PUBLISHED.items():
         scene = Path(folder) / f"{name}.ply.zst"
         if not scene.is_file():
@@ -59,10 +59,7 @@ def main(ti, config, folder, count="200000"):
         ray = report["per_ray"]
         ours = (ray["steps"] - ray["leaves"], ray["leaves"], ray["full_leaves"], ray["tests"])
         theirs = published or ("-",) * 4
-        cells = " ".join(
-            f"{a:5.1f} /{b:>4}".rjust(w)
-            for a, b, w in zip(ours, theirs, (12, 11, 11, 11), strict=True)
-        )
+        cells = " ".join(f"{a:5.1f} /{b:>4}" for a, b in zip(ours, theirs, strict=True))
         print(f"{name:14} {kind:8} {cells} {report['tree']['build_seconds']:8.2f}")
 
 

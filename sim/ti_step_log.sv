@@ -6,52 +6,52 @@
 module ti_step_log (
   input logic clk_i,
 
-  input logic                     start,
-  input ti_pkg::trv_slot_t        new_slot,
-  input logic              [31:0] ray_id,
+  input logic                     start_i,
+  input ti_pkg::trv_slot_t        new_slot_i,
+  input logic              [31:0] ray_id_i,
 
-  input logic                end_valid,
-  input ti_pkg::trv_slot_t   end_slot,
-  input ti_pkg::node_index_t end_index,
-  input ti_pkg::node_t       end_node,
-  input ti_pkg::fp_t         end_t,
-  input ti_pkg::fp_t         tmax,
-  input logic                push,
-  input ti_pkg::node_index_t next_node,
-  input ti_pkg::node_index_t far
+  input logic                end_valid_i,
+  input ti_pkg::trv_slot_t   end_slot_i,
+  input ti_pkg::node_index_t end_index_i,
+  input ti_pkg::node_t       end_node_i,
+  input ti_pkg::fp_t         end_t_i,
+  input ti_pkg::fp_t         tmax_i,
+  input logic                push_i,
+  input ti_pkg::node_index_t next_node_i,
+  input ti_pkg::node_index_t far_i
 );
 
   bit on;
-  bit here;  // the ray is at home in this unit
-  ti_pkg::trv_slot_t slot;
+  bit here_q;  // the ray is at home in this unit
+  ti_pkg::trv_slot_t slot_q;
   logic [31:0] wanted;
-  string path, side;
-  int file;
+  string path;
 
   initial begin
     on = $value$plusargs("log_ray=%d", wanted) != 0 && $value$plusargs("log_file=%s", path) != 0;
   end
 
+  function automatic void write_visit();
+    int file = $fopen(path, "a");
+    string side = push_i ? "both" : "near";
+    if (!push_i && next_node_i == far_i) side = "far";
+    if (end_node_i.axis == 2'd3) begin
+      $fdisplay(file, "node %0d leaf %0d exit %08x", end_index_i, end_node_i.link, tmax_i);
+    end else begin
+      $fdisplay(file, "node %0d t %08x %s", end_index_i, end_t_i, side);
+    end
+    $fclose(file);
+  endfunction
+
   always_ff @(posedge clk_i) begin
     if (on) begin
-      if (start && ray_id == wanted) begin
-        here <= 1'b1;
-        slot <= new_slot;
-      end else if (start && here && new_slot == slot) begin
-        here <= 1'b0;
+      if (start_i && ray_id_i == wanted) begin
+        here_q <= 1'b1;
+        slot_q <= new_slot_i;
+      end else if (start_i && here_q && new_slot_i == slot_q) begin
+        here_q <= 1'b0;
       end
-      if (end_valid && here && end_slot == slot) begin
-        file = $fopen(path, "a");
-        if (end_node.axis == 2'd3) begin
-          $fdisplay(file, "node %0d leaf %0d exit %08x", end_index, end_node.link, tmax);
-        end else begin
-          side = "near";
-          if (push) side = "both";
-          else if (next_node == far) side = "far";
-          $fdisplay(file, "node %0d t %08x %s", end_index, end_t, side);
-        end
-        $fclose(file);
-      end
+      if (end_valid_i && here_q && end_slot_i == slot_q) write_visit();
     end
   end
 
@@ -59,16 +59,16 @@ endmodule : ti_step_log
 
 bind ti_trv ti_step_log u_step_log (
   .clk_i,
-  .start,
-  .new_slot,
-  .ray_id(dispatch_data_i.ray.ray_id),
-  .end_valid,
-  .end_slot,
-  .end_index,
-  .end_node,
-  .end_t,
-  .tmax  (state.interval.tmax),
-  .push,
-  .next_node,
-  .far
+  .start_i    (start),
+  .new_slot_i (new_slot),
+  .ray_id_i   (dispatch_data_i.ray.ray_id),
+  .end_valid_i(end_valid),
+  .end_slot_i (end_slot),
+  .end_index_i(end_index),
+  .end_node_i (end_node),
+  .end_t_i    (end_t),
+  .tmax_i     (tmax),
+  .push_i     (push),
+  .next_node_i(next_node),
+  .far_i      (far)
 );

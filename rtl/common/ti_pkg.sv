@@ -188,4 +188,67 @@ package ti_pkg;
 
   typedef struct packed {counter_t c_passes;} ist2_counters_t;
 
+  /// Bits of a number below `num`, 1 at least.
+  function automatic int unsigned index_width(input int unsigned num);
+    return (num > 1) ? $clog2(num) : 1;
+  endfunction
+
+  /// Width of ARID and RID of `ti_memory`: two bits for the kind of unit, then the widest {port, row}.
+  function automatic int unsigned memory_id_width(
+      input int unsigned num_trv, input int unsigned trv_rows, input int unsigned num_list,
+      input int unsigned list_rows, input int unsigned num_ist1, input int unsigned ist1_rows);
+    int unsigned widest;
+    widest = index_width(num_trv) + index_width(trv_rows);
+    if (index_width(num_list) + index_width(list_rows) > widest)
+      widest = index_width(num_list) + index_width(list_rows);
+    if (index_width(num_ist1) + index_width(ist1_rows) > widest)
+      widest = index_width(num_ist1) + index_width(ist1_rows);
+    return widest + 2;
+  endfunction
+
+  // Classes of numbers.
+  function automatic logic [ExpBits-1:0] fp_exponent(input fp_t x);
+    return x[FracBits+:ExpBits];
+  endfunction
+  function automatic logic fp_sign(input fp_t x);
+    return x[FpWidth-1];
+  endfunction
+  function automatic fp_t fp_magnitude(input fp_t x);
+    return {1'b0, x[FpWidth-2:0]};
+  endfunction
+  function automatic logic fp_is_zero(input fp_t x);
+    return x[FpWidth-2:0] == '0;
+  endfunction
+  function automatic logic fp_is_finite(input fp_t x);
+    return fp_exponent(x) != '1;
+  endfunction
+  function automatic logic fp_is_normal(input fp_t x);
+    return fp_is_finite(x) && fp_exponent(x) != '0;
+  endfunction
+  function automatic logic fp_is_nan(input fp_t x);
+    return !fp_is_finite(x) && x[FracBits-1:0] != '0;
+  endfunction
+  function automatic logic fp_is_inf(input fp_t x);
+    return !fp_is_finite(x) && x[FracBits-1:0] == '0;
+  endfunction
+  /// Magnitude of `x`, `ulps` places up in the order of bit patterns, infinity at most.
+  function automatic fp_t fp_ulps_up(input fp_t x, input int unsigned ulps);
+    fp_t sum;
+    sum = fp_magnitude(x) + fp_t'(ulps);
+    return (sum > FpInf) ? FpInf : sum;
+  endfunction
+  /// Magnitude of `x`, `ulps` places down, 0 at least.
+  function automatic fp_t fp_ulps_down(input fp_t x, input int unsigned ulps);
+    return (fp_magnitude(x) > fp_t'(ulps)) ? fp_magnitude(x) - fp_t'(ulps) : '0;
+  endfunction
+
+  /// `v` with its components in the order u, v, w for the axis `w`: [2] = v[w], [0] = v[w + 1 mod 3].
+  function automatic vec3_t turn_to(input vec3_t v, input logic [1:0] w);
+    unique case (w)
+      2'd0: return {v[0], v[2], v[1]};
+      2'd1: return {v[1], v[0], v[2]};
+      default: return {v[2], v[1], v[0]};
+    endcase
+  endfunction
+
 endpackage : ti_pkg

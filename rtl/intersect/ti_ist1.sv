@@ -76,22 +76,12 @@ module ti_ist1 #(
 
   typedef struct packed {
     slot_t         slot;
-    ti_pkg::prim_t prim;
-    ti_pkg::fp_t   det;
-    ti_pkg::fp_t   dett;
-    ti_pkg::fp_t   detu;
-    ti_pkg::fp_t   detv;
-  } inside_t;
-
-  typedef struct packed {
-    slot_t slot;
-    logic  error;
-  } over_t;
+    ti_pkg::addr_t addr;
+  } want_t;
 
   // Slots.
   logic slot_free, take, give;
   slot_t new_slot, give_slot;
-  ti_pkg::home_t   home_q  [NumSlots];
   ti_pkg::record_t record_q[NumSlots];
 
   assign test_ready_o = slot_free;
@@ -99,7 +89,6 @@ module ti_ist1 #(
 
   always_ff @(posedge clk_i) begin
     if (take) begin
-      home_q[new_slot]   <= test_data_i.home;
       record_q[new_slot] <= test_data_i.record;
     end
   end
@@ -121,9 +110,12 @@ module ti_ist1 #(
   tag_t result_tag;
   ti_pkg::fp_t result_det, result_dett, result_x, result_y;
 
-  // Requests: pass (b) goes before pass (a), so that tests in hand are finished first.
-  logic want_a_valid, want_b_valid, req_ready, go_on;
-  slot_t want_a_slot, want_b_slot, req_slot;
+  // Requests: new tests and tests that have passed (a) take turns.
+  logic req_valid, req_ready, go_on;
+  logic [1:0] want_valid, want_ready;
+  slot_t want_a_slot, want_b_slot;
+  want_t [1:0] want;
+  want_t req;
 
   ti_queue #(
     .payload_t(slot_t),
@@ -133,8 +125,8 @@ module ti_ist1 #(
     .rst_ni,
     .push_i     (take),
     .push_data_i(new_slot),
-    .out_valid_o(want_a_valid),
-    .out_ready_i(req_ready && !want_b_valid),
+    .out_valid_o(want_valid[0]),
+    .out_ready_i(want_ready[0]),
     .out_data_o (want_a_slot)
   );
 
@@ -146,22 +138,39 @@ module ti_ist1 #(
     .rst_ni,
     .push_i     (go_on),
     .push_data_i(result_tag.slot),
-    .out_valid_o(want_b_valid),
-    .out_ready_i(req_ready),
+    .out_valid_o(want_valid[1]),
+    .out_ready_i(want_ready[1]),
     .out_data_o (want_b_slot)
   );
 
-  assign req_slot = want_b_valid ? want_b_slot : want_a_slot;
+  assign want[0] = '{
+          slot: want_a_slot,
+          addr: plane_base_i + (ti_pkg::addr_t'(record_q[want_a_slot]) << 5)
+      };
+  assign want[1] = '{
+          slot: want_b_slot,
+          addr: bary_base_i + (ti_pkg::addr_t'(record_q[want_b_slot]) << 4)
+      };
+
+  ti_arbiter #(
+    .payload_t(want_t),
+    .NumIn    (2)
+  ) u_turn (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i (want_valid),
+    .in_ready_o (want_ready),
+    .in_data_i  (want),
+    .out_valid_o(req_valid),
+    .out_ready_i(req_ready),
+    .out_data_o (req)
+  );
 
   logic [NumSlots-1:0] pass_b_q;  // which part the slot has asked for
   always_ff @(posedge clk_i) begin
     if (take) pass_b_q[new_slot] <= 1'b0;
     if (go_on) pass_b_q[result_tag.slot] <= 1'b1;
   end
-
-  ti_pkg::addr_t plane_addr, bary_addr;
-  assign plane_addr = plane_base_i + (ti_pkg::addr_t'(record_q[want_a_slot]) << 5);
-  assign bary_addr  = bary_base_i + (ti_pkg::addr_t'(record_q[want_b_slot]) << 4);
 
   logic rsp_valid, rsp_error, event_access, event_hit, event_merged, event_miss;
   slot_t rsp_slot;
@@ -178,10 +187,10 @@ module ti_ist1 #(
   ) u_ra (
     .clk_i,
     .rst_ni,
-    .req_valid_i   (want_a_valid || want_b_valid),
+    .req_valid_i   (req_valid),
     .req_ready_o   (req_ready),
-    .req_slot_i    (req_slot),
-    .req_addr_i    (want_b_valid ? bary_addr : plane_addr),
+    .req_slot_i    (req.slot),
+    .req_addr_i    (req.addr),
     .rsp_valid_o   (rsp_valid),
     .rsp_ready_i   (1'b1),
     .rsp_slot_o    (rsp_slot),
@@ -304,110 +313,32 @@ module ti_ist1 #(
       };
 
   // What leaves: tests inside the triangle to IST2, misses and errors home.
-  logic inside_valid, inside_ready, miss_valid, miss_ready, failed_valid, failed_ready;
-  inside_t kept;
-  slot_t miss_slot, failed_slot;
-
-  ti_queue #(
-    .payload_t(inside_t),
-    .Depth    (NumSlots)
-  ) u_inside (
+  ti_ist1_leave #(
+    .NumSlots(NumSlots)
+  ) u_leave (
     .clk_i,
     .rst_ni,
-    .push_i(result_valid && result_keep && result_b),
-    .push_data_i(
-    '{
-        slot: result_tag.slot,
-        prim: result_tag.prim,
-        det: result_det,
-        dett: result_dett,
-        detu: result_x,
-        detv: result_y
-    }
-    ),
-    .out_valid_o(inside_valid),
-    .out_ready_i(inside_ready),
-    .out_data_o(kept)
-  );
-
-  ti_queue #(
-    .payload_t(slot_t),
-    .Depth    (NumSlots)
-  ) u_misses (
-    .clk_i,
-    .rst_ni,
-    .push_i     (result_valid && !result_keep),
-    .push_data_i(result_tag.slot),
-    .out_valid_o(miss_valid),
-    .out_ready_i(miss_ready),
-    .out_data_o (miss_slot)
-  );
-
-  ti_queue #(
-    .payload_t(slot_t),
-    .Depth    (NumSlots)
-  ) u_failed (
-    .clk_i,
-    .rst_ni,
-    .push_i     (issue_error_q),
-    .push_data_i(issue_slot_q),
-    .out_valid_o(failed_valid),
-    .out_ready_i(failed_ready),
-    .out_data_o (failed_slot)
-  );
-
-  // One slot is given back a cycle: candidates first, then misses, then errors.
-  logic candidate_stage_ready, return_stage_ready;
-  ti_pkg::return_t return_new;
-  over_t over;
-
-  assign inside_ready = candidate_stage_ready;
-  assign miss_ready = return_stage_ready && !(inside_valid && inside_ready);
-  assign failed_ready = miss_ready && !miss_valid;
-  assign over = '{slot: miss_valid ? miss_slot : failed_slot, error: !miss_valid};
-  assign give = (inside_valid && inside_ready) || (miss_ready && (miss_valid || failed_valid));
-  assign give_slot = (inside_valid && inside_ready) ? kept.slot : over.slot;
-
-  always_comb begin
-    return_new       = '0;
-    return_new.home  = home_q[over.slot];
-    return_new.count = 16'd1;
-    return_new.error = over.error;
-  end
-
-  ti_stage #(
-    .payload_t(ti_pkg::candidate_t)
-  ) u_candidate_stage (
-    .clk_i,
-    .rst_ni,
-    .in_valid_i(inside_valid),
-    .in_ready_o(candidate_stage_ready),
-    .in_data_i(
-    '{
-        home: home_q[kept.slot],
-        prim: kept.prim,
-        det: kept.det,
-        dett: kept.dett,
-        detu: kept.detu,
-        detv: kept.detv
-    }
-    ),
-    .out_valid_o(candidate_valid_o),
-    .out_ready_i(candidate_ready_i),
-    .out_data_o(candidate_data_o)
-  );
-
-  ti_stage #(
-    .payload_t(ti_pkg::return_t)
-  ) u_return_stage (
-    .clk_i,
-    .rst_ni,
-    .in_valid_i ((miss_valid || failed_valid) && !(inside_valid && inside_ready)),
-    .in_ready_o (return_stage_ready),
-    .in_data_i  (return_new),
-    .out_valid_o(return_valid_o),
-    .out_ready_i(return_ready_i),
-    .out_data_o (return_data_o)
+    .take_i       (take),
+    .take_slot_i  (new_slot),
+    .take_home_i  (test_data_i.home),
+    .inside_i     (result_valid && result_keep && result_b),
+    .miss_i       (result_valid && !result_keep),
+    .result_slot_i(result_tag.slot),
+    .prim_i       (result_tag.prim),
+    .det_i        (result_det),
+    .dett_i       (result_dett),
+    .detu_i       (result_x),
+    .detv_i       (result_y),
+    .failed_i     (issue_error_q),
+    .failed_slot_i(issue_slot_q),
+    .candidate_valid_o,
+    .candidate_ready_i,
+    .candidate_data_o,
+    .return_valid_o,
+    .return_ready_i,
+    .return_data_o,
+    .give_o       (give),
+    .give_slot_o  (give_slot)
   );
 
   ti_cache_counters u_cache_counters (
@@ -433,7 +364,5 @@ module ti_ist1 #(
   if (ti_pkg::LineBytes < ElemBytes) begin : gen_check_line_bytes
     $error("ti_ist1: LineBytes must hold a plane part, 32 bytes");
   end
-
-  `TI_ASSERT(OneGiveACycle, give |-> !(inside_valid && inside_ready && miss_ready))
 
 endmodule : ti_ist1

@@ -74,29 +74,18 @@ module ti_ist1_pipe #(
   end
   always_ff @(posedge clk_i) pass_b_q <= {pass_b_q[TimeEnd-1:0], pass_b_i};
 
-  function automatic fp_t axis_u(input ti_pkg::vec3_t v, input logic [1:0] w);
-    return (w == 2'd0) ? v[1] : (w == 2'd1) ? v[2] : v[0];
-  endfunction
-  function automatic fp_t axis_v(input ti_pkg::vec3_t v, input logic [1:0] w);
-    return (w == 2'd0) ? v[2] : (w == 2'd1) ? v[0] : v[1];
-  endfunction
-  function automatic fp_t axis_w(input ti_pkg::vec3_t v, input logic [1:0] w);
-    return (w == 2'd0) ? v[0] : (w == 2'd1) ? v[1] : v[2];
-  endfunction
-
-  // Time 0.
-  fp_t du, dv, dw;
-  assign du = axis_u(d_i, axis_i);
-  assign dv = axis_v(d_i, axis_i);
-  assign dw = axis_w(d_i, axis_i);
+  // Time 0, components in the order u, v, w.
+  ti_pkg::vec3_t o, d;
+  assign o = ti_pkg::turn_to(o_i, axis_i);
+  assign d = ti_pkg::turn_to(d_i, axis_i);
 
   fp_t [2:0] g1;
   ti_fp_mul #(E, M) u_g1_0 (
     .clk_i,
     .rst_ni,
     .valid_i,
-    .a_i(pass_b_i ? du : plane_i.nu[W-1:0]),
-    .b_i(pass_b_i ? dett_i : du),
+    .a_i(pass_b_i ? d[0] : plane_i.nu[W-1:0]),
+    .b_i(pass_b_i ? dett_i : d[0]),
     .valid_o(),
     .result_o(g1[0])
   );
@@ -104,8 +93,8 @@ module ti_ist1_pipe #(
     .clk_i,
     .rst_ni,
     .valid_i,
-    .a_i(pass_b_i ? dv : plane_i.nv[W-1:0]),
-    .b_i(pass_b_i ? dett_i : dv),
+    .a_i(pass_b_i ? d[1] : plane_i.nv[W-1:0]),
+    .b_i(pass_b_i ? dett_i : d[1]),
     .valid_o(),
     .result_o(g1[1])
   );
@@ -124,13 +113,11 @@ module ti_ist1_pipe #(
   ti_delay #(logic [6*W-1:0], TimeH) u_to_h (
     .clk_i,
     .rst_ni,
-    .data_i(pass_b_i ? {{5{fp_t'('0)}}, audet_i} : {axis_w(
-        o_i, axis_i
-    ), axis_v(
-        o_i, axis_i
-    ), axis_u(
-        o_i, axis_i
-    ), plane_i.pw[W-1:0], plane_i.pv[W-1:0], plane_i.pu[W-1:0]}),
+    .data_i({
+      o,
+      pass_b_i ? {2{fp_t'('0)}} : {plane_i.pw[W-1:0], plane_i.pv[W-1:0]},
+      pass_b_i ? audet_i : plane_i.pu[W-1:0]
+    }),
     .data_o({o_h, p_h})
   );
 
@@ -185,7 +172,8 @@ module ti_ist1_pipe #(
   ti_delay #(logic [2*W-1:0], TimeG2) u_to_g2 (
     .clk_i,
     .rst_ni,
-    .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} : {plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
+    .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} :
+                       {plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
     .data_o({g2_k1, g2_k0})
   );
 
@@ -222,7 +210,7 @@ module ti_ist1_pipe #(
   ti_delay #(fp_t, TimeX1) u_dw_to_x1 (
     .clk_i,
     .rst_ni,
-    .data_i(dw),
+    .data_i(d[2]),
     .data_o(dw_x1)
   );
   ti_fp_add #(E, M) u_x1 (
@@ -357,35 +345,19 @@ module ti_ist1_pipe #(
   );
   assign tbest_end = det_in;
 
-  function automatic logic [E-1:0] exponent(input fp_t x);
-    return x[M+:E];
-  endfunction
-  function automatic logic is_zero(input fp_t x);
-    return x[W-2:0] == '0;
-  endfunction
-  function automatic logic is_finite(input fp_t x);
-    return exponent(x) != '1;
-  endfunction
-  function automatic logic is_normal(input fp_t x);
-    return is_finite(x) && exponent(x) != '0;
-  endfunction
+  /// Zero, or a number of the same sign.
   function automatic logic agrees(input fp_t x, input fp_t sign_of);
-    return is_zero(x) || (x[W-1] == sign_of[W-1] && !(exponent(x) == '1 && x[M-1:0] != '0));
-  endfunction
-  /// Magnitude `ulps` places up in the order of bit patterns, infinity at most.
-  function automatic fp_t ulps_up(input fp_t x, input int unsigned ulps);
-    logic [W-1:0] sum;
-    sum = {1'b0, x[W-2:0]} + W'(ulps);
-    return (sum > {1'b0, ti_pkg::FpInf[W-2:0]}) ? ti_pkg::FpInf : sum;
+    return ti_pkg::fp_is_zero(x) ||
+        (ti_pkg::fp_sign(x) == ti_pkg::fp_sign(sign_of) && !ti_pkg::fp_is_nan(x));
   endfunction
 
+  // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
   fp_t det_a, dett_a, cmp_a, cmp_b;
-  logic lt, le, cull, keep_a, keep_b;
+  logic lt, le, inverse_is_normal, cull, good_a, keep_a, keep_b;
   assign det_a  = x1_end;
   assign dett_a = x3;
-  // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
-  assign cmp_a  = b_end ? {1'b0, x3[W-2:0]} : ulps_up(limit, 4);
-  assign cmp_b  = b_end ? {1'b0, det_in[W-2:0]} : {1'b0, dett_a[W-2:0]};
+  assign cmp_a  = b_end ? ti_pkg::fp_magnitude(x3) : ti_pkg::fp_ulps_up(limit, 4);
+  assign cmp_b  = ti_pkg::fp_magnitude(b_end ? det_in : dett_a);
   ti_fp_cmp #(E, M) u_cmp (
     .a_i(cmp_a),
     .b_i(cmp_b),
@@ -395,22 +367,20 @@ module ti_ist1_pipe #(
     .unordered_o()
   );
 
-  assign cull = lt && is_normal(
+  assign inverse_is_normal = ti_pkg::fp_exponent(det_a) <= E'(2 * ti_pkg::FpBias - 2);
+  assign cull = lt && inverse_is_normal && ti_pkg::fp_is_normal(
       tbest_end
-  ) && is_normal(
+  ) && ti_pkg::fp_is_normal(
       limit
-  ) && exponent(
+  );
+  assign good_a = !ti_pkg::fp_is_zero(
       det_a
-  ) <= E'(2 * ti_pkg::FpBias - 2);
-  assign keep_a = !is_zero(
+  ) && ti_pkg::fp_is_finite(
       det_a
-  ) && is_finite(
-      det_a
-  ) && is_finite(
+  ) && ti_pkg::fp_is_finite(
       dett_a
-  ) && agrees(
-      dett_a, det_a
-  ) && !cull;
+  );
+  assign keep_a = good_a && agrees(dett_a, det_a) && !cull;
   assign keep_b = agrees(x1_end, det_in) && agrees(x2_end, det_in) && le;
 
   always_ff @(posedge clk_i) begin

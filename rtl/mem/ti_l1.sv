@@ -54,6 +54,7 @@ module ti_l1 #(
 
   localparam int unsigned SetBits = $clog2(Sets);
   localparam int unsigned TagWidth = LineAddrWidth - SetBits;
+  localparam int Levels = $clog2(Ways);
   localparam int unsigned TreeNodes = (Ways > 1) ? Ways - 1 : 1;
 
   typedef logic [TagWidth-1:0] tag_t;
@@ -119,7 +120,7 @@ module ti_l1 #(
     int unsigned node;
     tree_victim = '0;
     node = 0;
-    for (int unsigned level = 0; level < $clog2(Ways); level++) begin
+    for (int level = 0; level < Levels; level++) begin
       tree_victim = WayWidth'({tree_victim, tree[node]});
       node = 2 * node + 1 + int'(tree[node]);
     end
@@ -131,8 +132,8 @@ module ti_l1 #(
     logic side;
     tree_after = tree;
     node = 0;
-    for (int unsigned level = 0; level < $clog2(Ways); level++) begin
-      side = way[$clog2(Ways)-1-level];
+    for (int level = 0; level < Levels; level++) begin
+      side = way[Levels-1-level];
       tree_after[node] = !side;
       node = 2 * node + 1 + int'(side);
     end
@@ -195,7 +196,8 @@ module ti_l1 #(
   if (Ways < 1 || (Ways & (Ways - 1)) != 0) begin : gen_check_ways
     $error("ti_l1: Ways must be a power of two");
   end
-  if (Sets < 1 || (Sets & (Sets - 1)) != 0 || Sets * Ways * LineBytes != CacheBytes) begin : gen_check_cache_bytes
+  if (Sets < 1 || (Sets & (Sets - 1)) != 0 ||
+      Sets * Ways * LineBytes != CacheBytes) begin : gen_check_cache_bytes
     $error("ti_l1: CacheBytes must be Ways * LineBytes times a power of two");
   end
 

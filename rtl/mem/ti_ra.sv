@@ -94,7 +94,17 @@ module ti_ra #(
   elem_t elem_q[NumSlots];
 
   // Decisions of this cycle.
-  logic hit, victim_valid, drain, drain_last, merge, row_free_any, use_hit, use_merge, use_miss;
+  logic
+      hit,
+      victim_valid,
+      drain,
+      drain_last,
+      merge,
+      row_free_any,
+      use_hit,
+      use_merge,
+      use_miss,
+      may_ask;
   logic line_queue_ready;
   logic [WayWidth-1:0] hit_way, victim_way;
   row_t merge_row, free_row, drain_row;
@@ -137,21 +147,22 @@ module ti_ra #(
   end
 
   // A filled row hands out before anything else; new rows cannot form meanwhile, so this ends.
-  assign merge = |row_match;
-  assign row_free_any = !(&row_busy_q);
-  assign s2_free = !s2_valid_q || rsp_ready_i;
-  assign drain = |row_filled_q && s2_free;
-  assign drain_slot = row_head_q[drain_row];
-  assign drain_last = drain && drain_slot == row_tail_q[drain_row];
-  assign use_merge = s1_valid_q && merge;
-  assign use_hit = s1_valid_q && !merge && hit && s2_free && !(|row_filled_q);
-  assign use_miss     = s1_valid_q && !merge && !hit && row_free_any && victim_valid && line_queue_ready;
-  assign s1_done = use_merge || use_hit || use_miss;
+  assign merge          = |row_match;
+  assign row_free_any   = !(&row_busy_q);
+  assign s2_free        = !s2_valid_q || rsp_ready_i;
+  assign drain          = |row_filled_q && s2_free;
+  assign drain_slot     = row_head_q[drain_row];
+  assign drain_last     = drain && drain_slot == row_tail_q[drain_row];
+  assign use_merge      = s1_valid_q && merge;
+  assign use_hit        = s1_valid_q && !merge && hit && s2_free && !(|row_filled_q);
+  assign may_ask        = row_free_any && victim_valid && line_queue_ready;
+  assign use_miss       = s1_valid_q && !merge && !hit && may_ask;
+  assign s1_done        = use_merge || use_hit || use_miss;
 
   assign event_access_o = s1_done;
-  assign event_hit_o = use_hit;
+  assign event_hit_o    = use_hit;
   assign event_merged_o = use_merge;
-  assign event_miss_o = use_miss;
+  assign event_miss_o   = use_miss;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

@@ -13,7 +13,8 @@ module ti_rd_clip #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_pkg::FracBits),
   localparam int unsigned GatherLatency = 1,  // interval over the axes
   localparam int unsigned CheckLatency = 1,  // outward, hit or miss
-  localparam int unsigned Latency = RcpLatency + ti_fp_pkg::MulLatency + GatherLatency + CheckLatency
+  localparam int unsigned Latency =
+      RcpLatency + ti_fp_pkg::MulLatency + GatherLatency + CheckLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -43,19 +44,6 @@ module ti_rd_clip #(
     fp_t        tmin;
     fp_t        tmax;
   } along_t;
-
-  function automatic logic is_nan(input fp_t x);
-    return x[M+:E] == '1 && x[M-1:0] != '0;
-  endfunction
-  function automatic logic is_inf(input fp_t x);
-    return x[M+:E] == '1 && x[M-1:0] == '0;
-  endfunction
-  function automatic logic is_zero(input fp_t x);
-    return x[W-2:0] == '0;
-  endfunction
-  function automatic logic all_finite(input ti_pkg::vec3_t v);
-    return v[0][M+:E] != '1 && v[1][M+:E] != '1 && v[2][M+:E] != '1;
-  endfunction
 
   // Inverse, and beside it the way to the two planes.
   logic rcp_valid, mul_valid;
@@ -101,10 +89,10 @@ module ti_rd_clip #(
 
   logic negative, parallel, outside;
   assign negative = inv[W-1];
-  assign parallel = is_inf(inv);
-  assign outside = (!to_lo_mul[W-1] && !is_zero(
+  assign parallel = ti_pkg::fp_is_inf(inv);
+  assign outside = (!to_lo_mul[W-1] && !ti_pkg::fp_is_zero(
       to_lo_mul
-  )) || (to_hi_mul[W-1] && !is_zero(
+  )) || (to_hi_mul[W-1] && !ti_pkg::fp_is_zero(
       to_hi_mul
   ));
 
@@ -127,37 +115,33 @@ module ti_rd_clip #(
     .result_o(far_t)
   );
 
-  along_t along;
+  along_t along, along_in;
+  logic finite;
+  assign finite = ti_pkg::fp_is_finite(
+      ray_i.o[0]
+  ) && ti_pkg::fp_is_finite(
+      ray_i.o[1]
+  ) && ti_pkg::fp_is_finite(
+      ray_i.o[2]
+  ) && ti_pkg::fp_is_finite(
+      ray_i.d[0]
+  ) && ti_pkg::fp_is_finite(
+      ray_i.d[1]
+  ) && ti_pkg::fp_is_finite(
+      ray_i.d[2]
+  );
+  always_comb begin
+    along_in.axis = axis_i;
+    along_in.bad  = !finite || ti_pkg::fp_is_nan(ray_i.tmin) || ti_pkg::fp_is_nan(ray_i.tmax);
+    along_in.tmin = ray_i.tmin;
+    along_in.tmax = ray_i.tmax;
+  end
   fp_t inv_end;
   logic parallel_end, outside_end;
   ti_delay #(along_t, RcpLatency + ti_fp_pkg::MulLatency) u_along (
     .clk_i,
     .rst_ni,
-    .data_i(
-    '{
-        axis: axis_i,
-        bad:
-        !
-        all_finite
-        (
-            ray_i.o
-        ) || !
-        all_finite
-        (
-            ray_i.d
-        ) ||
-        is_nan
-        (
-            ray_i.tmin
-        ) ||
-        is_nan
-        (
-            ray_i.tmax
-        ),
-        tmin: ray_i.tmin,
-        tmax: ray_i.tmax
-    }
-    ),
+    .data_i(along_in),
     .data_o(along)
   );
   ti_delay #(logic [W+1:0], ti_fp_pkg::MulLatency) u_inv (
@@ -222,11 +206,8 @@ module ti_rd_clip #(
   // Outward by 4 ulp.
   fp_t tmin_out, tmax_out;
   logic ordered, invalid;
-  always_comb begin
-    tmin_out = (tmin_q > fp_t'(4)) ? tmin_q - fp_t'(4) : '0;
-    tmax_out = {1'b0, tmax_q[W-2:0]};
-    tmax_out = (tmax_out < ti_pkg::FpInf - fp_t'(4)) ? tmax_out + fp_t'(4) : ti_pkg::FpInf;
-  end
+  assign tmin_out = ti_pkg::fp_ulps_down(tmin_q, 4);
+  assign tmax_out = ti_pkg::fp_ulps_up(tmax_q, 4);
   ti_fp_cmp #(E, M) u_ordered (
     .a_i(tmin_out),
     .b_i(tmax_out),
@@ -244,11 +225,13 @@ module ti_rd_clip #(
 
   always_ff @(posedge clk_i) begin
     if (gathered_q) begin
-      miss_o   <= invalid || empty_q || outside_q || !ordered || (tmax_q[W-1] && !is_zero(tmax_q));
+      miss_o <= invalid || empty_q || outside_q || !ordered || (tmax_q[W-1] && !ti_pkg::fp_is_zero(
+          tmax_q
+      ));
       status_o <= invalid ? ti_pkg::InvalidRay : ti_pkg::Ok;
-      inv_o    <= inv_q;
-      tmin_o   <= tmin_out;
-      tmax_o   <= tmax_out;
+      inv_o <= inv_q;
+      tmin_o <= tmin_out;
+      tmax_o <= tmax_out;
     end
   end
 

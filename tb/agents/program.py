@@ -49,7 +49,7 @@ class Run:
         return self
 
     def failed_its_checks(self):
-        """This run, which must have ended with status 1: it worked, but its results are not right."""
+        """This run, which must have ended with status 1: its results are not right."""
         assert self.status == 1, self._told()
         return self
 

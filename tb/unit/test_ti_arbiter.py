@@ -48,7 +48,8 @@ async def keeps_the_order_of_each_input_and_starves_none(dut, arbiter, p_gap, p_
     cocotb.start_soon(watch_passes(dut, arbiter, passes))
     for source, beats in zip(sources, sent, strict=True):
         cocotb.start_soon(source.send(beats, gap=stalls(rng, p_gap)))
-    got = await sink.receive(sum(map(len, sent)), ready=lambda: rng.random() >= p_stall)
+    count = sum(map(len, sent))
+    got = await sink.receive(count, ready=lambda: rng.random() >= p_stall, patience=500)
 
     for i, beats in enumerate(sent):
         assert [beat for beat in got if beat >> 12 == i] == beats

@@ -14,6 +14,7 @@ from models.payload import parameter, payloads
 from models.scene import BASE, Scene, rays_through, soup
 
 SLOTS_TO_FILL = 64  # fewer cannot keep the pipeline busy
+PATIENCE = 5000  # cycles without a beat after which one is lost
 
 
 async def setup(dut, triangles=60, **memory):
@@ -66,7 +67,7 @@ async def collect(dut, rng, todo, want, p_valid, p_ready):
     packed = [payloads().pack("test_t", test) for test in todo]
     cocotb.start_soon(source.send(packed, stalls(rng, 1 - p_valid)))
     tasks = [
-        cocotb.start_soon(sink.receive(len(beats), ready=lambda: rng.random() < p_ready))
+        cocotb.start_soon(sink.receive(len(beats), lambda: rng.random() < p_ready, PATIENCE))
         for sink, beats in zip(sinks, want, strict=True)
     ]
     got = [await task for task in tasks]

@@ -15,6 +15,7 @@ from models.payload import parameter, payloads
 
 BASE = 0x40_0000
 SLOTS_TO_FILL = 8  # fewer cannot keep the unit busy
+PATIENCE = 5000  # cycles without a beat after which one is lost
 
 
 class List:
@@ -77,7 +78,7 @@ async def check(dut, rng, listed, leaves, good=lambda line: True, p_valid=1.0, p
     test_sink, return_sink = Sink(dut, "test"), Sink(dut, "return")
     cocotb.start_soon(Source(dut, "leaf").send(packed(leaves), stalls(rng, 1 - p_valid)))
     tasks = [
-        cocotb.start_soon(sink.receive(len(beats), ready=lambda: rng.random() < p_ready))
+        cocotb.start_soon(sink.receive(len(beats), lambda: rng.random() < p_ready, PATIENCE))
         for sink, beats in ((test_sink, want), (return_sink, errors))
     ]
     got, failed = [await task for task in tasks]

@@ -21,6 +21,7 @@ from models.scene import BASE, Scene, rays_through, soup
 OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
 NO_PRIM = (1 << 32) - 1
 SLOTS_TO_FILL = 32  # fewer cannot keep the step pipeline busy
+PATIENCE = 30_000  # cycles without a hit after which a ray is lost
 
 
 class Steps:
@@ -97,7 +98,9 @@ async def all_hits(dut, beats, gap=lambda: 0, ready=lambda: 1):
     """Send the dispatches and take as many hits, by ray id."""
     sink = Sink(dut, "hit")
     cocotb.start_soon(Source(dut, "dispatch").send(beats, gap))
-    hits = [payloads().unpack("hit_t", bits) for bits in await sink.receive(len(beats), ready)]
+    hits = [
+        payloads().unpack("hit_t", bits) for bits in await sink.receive(len(beats), ready, PATIENCE)
+    ]
     await sink.expect_none(50)
     by_id = {hit["ray_id"]: hit for hit in hits}
     assert len(by_id) == len(beats), "a ray came out twice"
@@ -123,7 +126,7 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
         ready=lambda: rng.random() < p,
     )
     LeafTests(dut, scene, rng, ready=lambda: rng.random() < p, gap=stalls(rng, 1 - p))
-    count = min(20 * int(dut.NumSlots.value), 150)
+    count = min(15 * int(dut.NumSlots.value), 100)
     rays = [r for r in random_rays(rng, count) if dispatch(scene, r) is not None]
     beats = [dispatch(scene, r, i, i % 3 == 0) for i, r in enumerate(rays)]
 

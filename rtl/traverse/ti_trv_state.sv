@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// What a TRV remembers of each slot between steps: interval, step count, node, and the short stack.
+///
+/// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
+/// the outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state.
+/// The stack of a slot is a ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring
+/// overwrites the oldest.  A slot that has just been taken reads as a fresh ray, so a start writes the
+/// interval alone.
+module ti_trv_state #(
+  parameter int unsigned NumSlots = 8,
+  parameter int unsigned StackDepth = 4,
+  /// Cycles from step to end, 3 or more.
+  parameter int unsigned Lead = 7,
+  localparam int unsigned LevelWidth = $clog2(StackDepth + 1)
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  // A ray takes a slot.
+  input logic              start_i,
+  input ti_pkg::trv_slot_t start_slot_i,
+  input ti_pkg::fp_t       start_tmin_i,
+  input ti_pkg::fp_t       start_tmax_i,
+
+  // A slot asks for a node.
+  input logic                visit_i,
+  input ti_pkg::trv_slot_t   visit_slot_i,
+  input ti_pkg::node_index_t visit_node_i,
+
+  // A slot enters the arithmetic.
+  input logic              step_valid_i,
+  input ti_pkg::trv_slot_t step_slot_i,
+
+  // One cycle before its end, for memories elsewhere that are read with it.
+  output logic              late_valid_o,
+  output ti_pkg::trv_slot_t late_slot_o,
+
+  // Its end: the state as it was, and what to write.
+  input  logic                                 end_valid_i,
+  input  ti_pkg::trv_slot_t                    end_slot_i,
+  output ti_pkg::node_index_t                  index_o,
+  output ti_pkg::fp_t                          tmin_o,
+  output ti_pkg::fp_t                          tmax_o,
+  output ti_pkg::fp_t                          ray_tmax_o,
+  output ti_pkg::steps_t                       steps_o,
+  output logic                [LevelWidth-1:0] level_o,
+  output logic                                 dropped_o,
+  output ti_pkg::node_index_t                  top_node_o,
+  output ti_pkg::fp_t                          top_tmax_o,
+  input  ti_pkg::fp_t                          tmin_i,
+  input  ti_pkg::fp_t                          tmax_i,
+  input  ti_pkg::steps_t                       steps_i,
+  input  logic                [LevelWidth-1:0] level_i,
+  input  logic                                 dropped_i,
+  input  logic                                 push_i,       // (far_i, tmax_o) onto the stack
+  input  ti_pkg::node_index_t                  far_i,
+  input  logic                                 pop_i
+);
+
+  localparam int unsigned PointerWidth = (StackDepth > 1) ? $clog2(StackDepth) : 1;
+  localparam int unsigned StackWords = NumSlots * StackDepth;
+  localparam int unsigned StackAddrWidth = $clog2(StackWords);
+
+  typedef ti_pkg::trv_slot_t slot_t;
+  typedef logic [PointerWidth-1:0] pointer_t;
+
+  typedef struct packed {
+    ti_pkg::fp_t tmin;
+    ti_pkg::fp_t tmax;
+  } interval_t;
+
+  typedef struct packed {
+    interval_t             interval;
+    ti_pkg::steps_t        steps;
+    logic [LevelWidth-1:0] level;
+    pointer_t              pointer;   // where the next entry goes
+    logic                  dropped;
+  } state_t;
+
+  typedef struct packed {
+    ti_pkg::node_index_t node;
+    ti_pkg::fp_t         tmax;
+  } entry_t;
+
+  function automatic logic [StackAddrWidth-1:0] stack_addr(input slot_t slot, input pointer_t at);
+    return StackAddrWidth'(slot) * StackAddrWidth'(StackDepth) + StackAddrWidth'(at);
+  endfunction
+  function automatic pointer_t below(input pointer_t at);
+    return (at == '0) ? pointer_t'(StackDepth - 1) : at - 1'b1;
+  endfunction
+  function automatic pointer_t above(input pointer_t at);
+    return (at == pointer_t'(StackDepth - 1)) ? '0 : at + 1'b1;
+  endfunction
+
+  // Two cycles before the end the state is read, one before it what the state points to.
+  logic  early_valid;
+  slot_t early_slot;
+  ti_delay #(
+    .payload_t(logic [$bits(slot_t):0]),
+    .Cycles   (Lead - 2)
+  ) u_early (
+    .clk_i,
+    .rst_ni,
+    .data_i({step_valid_i, step_slot_i}),
+    .data_o({early_valid, early_slot})
+  );
+  always_ff @(posedge clk_i) begin
+    late_valid_o <= early_valid;
+    late_slot_o  <= early_slot;
+  end
+
+  state_t state_ram, state_q, state, state_next;
+  interval_t interval;
+  entry_t top;
+  logic [NumSlots-1:0] fresh_q;  // has not taken a step yet
+
+  ti_ram_1r1w #(
+    .Depth (NumSlots),
+    .word_t(state_t)
+  ) u_state (
+    .clk_i,
+    .read_en_i   (early_valid),
+    .read_addr_i (early_slot),
+    .read_data_o (state_ram),
+    .write_en_i  (end_valid_i),
+    .write_addr_i(end_slot_i),
+    .write_data_i(state_next)
+  );
+
+  ti_ram_1r1w #(
+    .Depth (NumSlots),
+    .word_t(interval_t)
+  ) u_interval (
+    .clk_i,
+    .read_en_i   (late_valid_o),
+    .read_addr_i (late_slot_o),
+    .read_data_o (interval),
+    .write_en_i  (start_i),
+    .write_addr_i(start_slot_i),
+    .write_data_i('{tmin: start_tmin_i, tmax: start_tmax_i})
+  );
+
+  ti_ram_1r1w #(
+    .Depth (NumSlots),
+    .word_t(ti_pkg::node_index_t)
+  ) u_index (
+    .clk_i,
+    .read_en_i   (late_valid_o),
+    .read_addr_i (late_slot_o),
+    .read_data_o (index_o),
+    .write_en_i  (visit_i),
+    .write_addr_i(visit_slot_i),
+    .write_data_i(visit_node_i)
+  );
+
+  ti_ram_1r1w #(
+    .Depth (StackWords),
+    .word_t(entry_t)
+  ) u_stack (
+    .clk_i,
+    .read_en_i   (late_valid_o),
+    .read_addr_i (stack_addr(late_slot_o, below(state_ram.pointer))),
+    .read_data_o (top),
+    .write_en_i  (end_valid_i && push_i),
+    .write_addr_i(stack_addr(end_slot_i, state.pointer)),
+    .write_data_i('{node: far_i, tmax: state.interval.tmax})
+  );
+
+  always_ff @(posedge clk_i) begin
+    if (late_valid_o) state_q <= state_ram;
+    if (end_valid_i) fresh_q[end_slot_i] <= 1'b0;
+    if (start_i) fresh_q[start_slot_i] <= 1'b1;
+  end
+
+  always_comb begin
+    state = state_q;
+    if (fresh_q[end_slot_i]) begin
+      state          = '0;
+      state.interval = interval;
+    end
+  end
+
+  assign state_next = '{
+          interval: '{tmin: tmin_i, tmax: tmax_i},
+          steps: steps_i,
+          level: level_i,
+          pointer: push_i ? above(state.pointer) : pop_i ? below(state.pointer) : state.pointer,
+          dropped: dropped_i
+      };
+
+  assign tmin_o = state.interval.tmin;
+  assign tmax_o = state.interval.tmax;
+  assign ray_tmax_o = interval.tmax;
+  assign steps_o = state.steps;
+  assign level_o = state.level;
+  assign dropped_o = state.dropped;
+  assign top_node_o = top.node;
+  assign top_tmax_o = top.tmax;
+
+  if (StackDepth < 1) begin : gen_check_stack_depth
+    $error("ti_trv_state: StackDepth must be 1 or more");
+  end
+  if (Lead < 3) begin : gen_check_lead
+    $error("ti_trv_state: Lead must be 3 or more");
+  end
+
+endmodule : ti_trv_state

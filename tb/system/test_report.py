@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run leaves what it promises: picture, report, arrays; and an exit status that says what it found."""
+
+import json
+
+import numpy as np
+import pytest
+from agents.program import SCENES
+from PIL import Image
+
+CORNELL = SCENES / "cornell.gltf"
+KEYS = {  # a report has at least these, and below some of them at least those
+    "config": None,
+    "scene": None,
+    "triangles": None,
+    "rays": None,
+    "cycles": None,
+    "clock_mhz": None,
+    "mrays_per_s": None,
+    "rays_per_cycle": None,
+    "per_ray": {"steps", "leaves", "tests", "restarts", "dram_bytes"},
+    "phase": {"a_tests", "b_share", "c_share"},
+    "utilization": {"trv", "list", "ist1", "ist2"},
+    "cache": {"trv_l1", "list_l1", "ist1_l1"},
+    "check": {"model_mismatches", "truth_unexplained", "lost", "duplicated"},
+    "sim": {"seconds", "cycles_per_s", "rays_per_s"},
+}
+
+
+def picture(run):
+    return np.asarray(Image.open(run.out / "image.png").convert("RGB")).astype(int)
+
+
+@pytest.mark.parametrize("name", ["rtl", "model", "embree"])
+def test_the_report_has_every_key_whatever_the_engine(tiny, out, name):
+    report = tiny.render(out, CORNELL, "--size", "12x8", engine=name).good().report
+
+    assert {key for key, below in KEYS.items() if below is not None and name == "rtl"} <= set(
+        report
+    )
+    for key, below in KEYS.items():
+        assert key in report
+        if below and (name == "rtl" or key != "cache"):
+            assert below <= set(report[key])
+    assert (report["config"], report["scene"], report["engine"]) == ("tiny", "cornell", name)
+    assert (report["triangles"], report["rays"]) == (38, 96)
+
+
+def test_the_figures_of_a_report_agree_with_one_another(engine, scene, out):
+    report = engine.trace(out, scene, "random:600").good().report
+
+    rays, cycles, work = report["rays"], report["cycles"], report["per_ray"]
+    assert report["rays_per_cycle"] == pytest.approx(rays / cycles)
+    assert report["mrays_per_s"] == pytest.approx(report["rays_per_cycle"] * report["clock_mhz"])
+    assert report["phase"]["a_tests"] == round(work["tests"] * rays)
+    assert 0 <= report["phase"]["c_share"] <= report["phase"]["b_share"] <= 1
+    assert all(0 < share <= 1 for share in report["utilization"].values())
+    for cache in report["cache"].values():
+        assert cache["accesses"] == cache["hits"] + cache["merged"] + cache["misses"]
+    caches = report["cache"].values()
+    lines = sum(cache["misses"] for cache in caches)
+    assert work["dram_bytes"] * rays == pytest.approx(64 * lines)
+    assert report["cache"]["trv_l1"]["accesses"] == round(work["steps"] * rays)
+    passes = report["phase"]["a_tests"] * (1 + report["phase"]["b_share"])
+    assert report["cache"]["list_l1"]["accesses"] == report["phase"]["a_tests"]
+    assert report["cache"]["ist1_l1"]["accesses"] == round(passes)
+
+
+def test_a_picture_looks_the_same_from_every_engine(tiny, tmp_path):
+    rtl, model, embree = (
+        picture(tiny.render(tmp_path / name, CORNELL, "--size", "48x48", engine=name).good())
+        for name in ("rtl", "model", "embree")
+    )
+
+    assert (rtl == model).all()
+    assert (abs(rtl - embree).max(axis=2) > 2).mean() < 0.01
+    assert rtl.shape == (48, 48, 3)
+    left, right = rtl[24, 3], rtl[24, -4]  # a red and a green wall
+    assert left[0] > left[1] + 30 and right[1] > right[0] + 30
+
+
+def test_more_samples_smooth_the_edges_and_count_as_rays(tiny, tmp_path):
+    one, four = (
+        tiny.render(tmp_path / f"{spp}", CORNELL, "--size", "16x16", "--spp", spp, "--dump").good()
+        for spp in (1, 4)
+    )
+
+    assert (one.report["rays"], four.report["rays"]) == (256, 1024)
+    assert len(four.prims) == len(np.load(four.out / "rays.npy")) == 1024
+    assert picture(one).shape == picture(four).shape
+    assert 0 < abs(picture(one) - picture(four)).mean() < 20
+
+
+def test_two_samples_are_the_models_too(ti, tiny, tmp_path):
+    options = ["--size", "16x16", "--spp", 2, "--dump"]
+    rtl = tiny.render(tmp_path / "rtl", CORNELL, *options).good()
+    model = ti.render(tmp_path / "model", CORNELL, *options).good()
+
+    for name in ("image.png", "rays.npy", "hits.npy", "prims.npy"):
+        assert rtl.read(name) == model.read(name)
+
+
+@pytest.mark.parametrize(("name", "hits"), [("empty.ply", False), ("one_triangle.obj", True)])
+def test_the_least_scenes_are_rendered(engine, out, name, hits):
+    run = engine.render(out, SCENES / name, "--size", "24x24", "--dump").good()
+
+    assert (run.prims >= 0).any() == hits
+    assert len(np.unique(picture(run).reshape(-1, 3), axis=0)) > 1 if hits else True
+
+
+def test_only_what_was_asked_for_is_written(ti, tmp_path):
+    ti.render(tmp_path / "a", CORNELL, "--size", "4x4").good()
+    ti.render(tmp_path / "b", CORNELL, "--size", "4x4", "--dump").good()
+    ti.trace(tmp_path / "c/deep", CORNELL, "random:4").good()
+
+    names = [{path.name for path in (tmp_path / x).iterdir()} for x in ("a", "b", "c/deep")]
+    assert names[0] == {"image.png", "report.json"}
+    assert names[1] == names[0] | {"rays.npy", "hits.npy", "prims.npy"}
+    assert names[2] == {"report.json", "hits.npy", "prims.npy"}
+
+
+def other_config(program, folder, key, value):
+    """The configuration of a program with another value, for the model alone to follow."""
+    keys = json.loads(program.config.read_text()) | {key: value}
+    path = folder / "config.json"
+    path.write_text(json.dumps(keys))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "says"), [("stack_depth", 1, "restarts"), ("watchdog_steps", 12, "status 3")]
+)
+def test_lock_step_finds_a_machine_that_is_not_the_model(tiny, tmp_path, out, key, value, says):
+    config = other_config(tiny, tmp_path, key, value)
+    run = tiny.trace(out, CORNELL, "random:1000", "--no-truth", config=config).failed_its_checks()
+
+    check = run.report["check"]
+    assert 0 < check["model_mismatches"] < 1000
+    assert check["work_differs"]
+    assert f"{check['model_mismatches']} mismatches in 1000 rays" in run.stdout
+    assert "DIFFERS" in run.stdout and "ray " in run.stdout and says in run.stdout
+
+
+def test_lock_step_finds_it_in_hard_cases_too(tiny, tmp_path):
+    config = other_config(tiny, tmp_path, "watchdog_steps", 1)
+    file = SCENES / "hardcases.jsonl"
+    run = tiny.run("hardcases", "--engine", "rtl", "--file", file, config=config)
+
+    assert "0 mismatches" not in run.failed_its_checks().stdout.splitlines()[-1]
+
+
+def test_lock_step_is_off_only_by_name(tiny, tmp_path, out):
+    config = other_config(tiny, tmp_path, "stack_depth", 1)
+    run = tiny.trace(out, CORNELL, "random:1000", "--no-lock-step", config=config).good()
+
+    assert not run.report["check"]["lock_step"]
+    assert run.report["check"]["model_mismatches"] is None
+    assert "not compared" in run.stdout
+
+
+def test_a_ray_that_the_watchdog_ends_fails_the_run(ti, tmp_path, out):
+    config = other_config(ti, tmp_path, "watchdog_steps", 3)
+    run = ti.trace(out, CORNELL, "random:300", "--no-truth", config=config).failed_its_checks()
+
+    count = run.report["check"]["status"]["watchdog"]
+    assert 0 < count < 300
+    assert f"{count} of 300 rays were ended by the watchdog" in run.stdout
+
+
+def test_the_step_logs_of_model_and_rtl_are_the_same(tiny, out):
+    tiny.trace(out, CORNELL, "inside:20", "--log-ray", 13).good()
+    model, rtl = ((out / f"ray-13.{who}.log").read_text() for who in ("model", "rtl"))
+
+    assert rtl == model
+    assert model.startswith("node 0 ") and " leaf " in model.splitlines()[-1]
