@@ -138,23 +138,36 @@ module ti_ra #(
   always_comb begin
     merge_row = '0;
     free_row  = '0;
-    drain_row = '0;
     for (int i = int'(Rows) - 1; i >= 0; i--) begin
       if (row_match[i]) merge_row = row_t'(i);
       if (!row_busy_q[i]) free_row = row_t'(i);
-      if (row_filled_q[i]) drain_row = row_t'(i);
     end
   end
 
-  // A filled row hands out before anything else; new rows cannot form meanwhile, so this ends.
+  logic filled;
+  ti_queue #(
+    .payload_t(row_t),
+    .Depth    (Rows)
+  ) u_filled (
+    .clk_i,
+    .rst_ni,
+    .push_i     (line_rsp_valid_i),
+    .push_data_i(line_rsp_row_i),
+    .out_valid_o(filled),
+    .out_ready_i(drain_last),
+    .out_data_o (drain_row)
+  );
+
+  // Filled rows hand out before hits, in the order in which they were filled.  A hit that waits keeps new rows
+  // from forming, so it waits for at most the rows there are.
   assign merge          = |row_match;
   assign row_free_any   = !(&row_busy_q);
   assign s2_free        = !s2_valid_q || rsp_ready_i;
-  assign drain          = |row_filled_q && s2_free;
+  assign drain          = filled && s2_free;
   assign drain_slot     = row_head_q[drain_row];
   assign drain_last     = drain && drain_slot == row_tail_q[drain_row];
   assign use_merge      = s1_valid_q && merge;
-  assign use_hit        = s1_valid_q && !merge && hit && s2_free && !(|row_filled_q);
+  assign use_hit        = s1_valid_q && !merge && hit && s2_free && !filled;
   assign may_ask        = row_free_any && victim_valid && line_queue_ready;
   assign use_miss       = s1_valid_q && !merge && !hit && may_ask;
   assign s1_done        = use_merge || use_hit || use_miss;

@@ -370,6 +370,9 @@ module ti_trv #(
   );
 
   // ---- Counters.
+  logic visited_leaf;
+  assign visited_leaf = end_node.axis == 2'd3 && status == ti_pkg::Ok;
+
   ti_cache_counters u_cache_counters (
     .clk_i,
     .rst_ni,
@@ -390,7 +393,7 @@ module ti_trv #(
     end else begin
       if (end_valid) begin
         counters_o.steps <= counters_o.steps + 1'b1;
-        if (end_node.axis == 2'd3) counters_o.leaves <= counters_o.leaves + 1'b1;
+        if (visited_leaf) counters_o.leaves <= counters_o.leaves + 1'b1;
         if (leaf) counters_o.full_leaves <= counters_o.full_leaves + 1'b1;
       end
       // Counted when the ray goes, which a hit in the leaf may keep it from.

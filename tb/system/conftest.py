@@ -4,7 +4,7 @@
 import fcntl
 
 import pytest
-from agents.program import BENCHMARKS, KNOT, ROOT, SCENES, Program, make
+from agents.program import BENCHMARKS, KNOT, ROOT, SCENES, Program, Stored, make
 
 
 def built(*targets, **variables):
@@ -59,6 +59,26 @@ def scene(request):
     return (
         SCENES / "cornell.gltf" if request.param == "cornell" else request.getfixturevalue("knot")
     )
+
+
+@pytest.fixture(scope="session")
+def images(ti, tmp_path_factory):
+    """A function that gives a scene with its memory image, made once."""
+    folder = tmp_path_factory.mktemp("images")
+
+    def stored(path):
+        image = folder / f"{path.stem}.tiim"
+        if not image.exists():
+            ti.run("image", "--scene", path, "--out", image).good()
+        return Stored(path, image)
+
+    return stored
+
+
+@pytest.fixture
+def stored(scene, images):
+    """The same scenes, each with its memory image."""
+    return images(scene)
 
 
 @pytest.fixture

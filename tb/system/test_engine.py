@@ -45,9 +45,9 @@ def checked(run):
 
 
 @pytest.mark.parametrize("rays", RAYS)
-def test_hits_and_work_are_the_models(ti, engine, scene, tmp_path, rays):
-    model = ti.trace(tmp_path / "model", scene, rays).good()
-    rtl = checked(engine.trace(tmp_path / "rtl", scene, rays))
+def test_hits_and_work_are_the_models(ti, engine, stored, tmp_path, rays):
+    model = ti.trace(tmp_path / "model", stored, rays).good()
+    rtl = checked(engine.trace(tmp_path / "rtl", stored, rays))
 
     assert same_hits(rtl, model)
     assert same_work(rtl, model)
@@ -57,9 +57,9 @@ def test_hits_and_work_are_the_models(ti, engine, scene, tmp_path, rays):
 
 @pytest.mark.parametrize("timing", TIMINGS)
 @pytest.mark.parametrize("rays", ["random:400", "ao:800"])
-def test_results_do_not_depend_on_timing(ti, engine, scene, tmp_path, rays, timing):
-    model = ti.trace(tmp_path / "model", scene, rays).good()
-    rtl = checked(engine.trace(tmp_path / "rtl", scene, rays, *TIMINGS[timing]))
+def test_results_do_not_depend_on_timing(ti, engine, stored, tmp_path, rays, timing):
+    model = ti.trace(tmp_path / "model", stored, rays).good()
+    rtl = checked(engine.trace(tmp_path / "rtl", stored, rays, *TIMINGS[timing]))
 
     assert same_hits(rtl, model)
     assert same_work(rtl, model)
@@ -89,12 +89,14 @@ def test_the_seed_chooses_the_rays(ti, tmp_path):
     assert runs[0].good().read("hits.npy") != runs[1].good().read("hits.npy")
 
 
-def test_the_rays_that_were_made_give_the_same_hits_when_brought(ti, tiny, scene, tmp_path):
-    made = ti.trace(tmp_path / "made", scene, "random:500", "--dump").good()
+def test_the_rays_that_were_made_give_the_same_hits_when_brought(ti, tiny, stored, tmp_path):
+    made = ti.trace(tmp_path / "made", stored, "random:500", "--dump").good()
     rays = np.load(tmp_path / "made/rays.npy")
     assert (rays.dtype, rays.shape) == (np.float32, (500, 8))
 
-    assert same_hits(checked(tiny.trace(tmp_path / "rtl", scene, tmp_path / "made/rays.npy")), made)
+    assert same_hits(
+        checked(tiny.trace(tmp_path / "rtl", stored, tmp_path / "made/rays.npy")), made
+    )
 
 
 def test_both_layouts_give_the_same_hits(ti, tiny, scene, tmp_path):
@@ -175,8 +177,8 @@ def test_one_triangle_is_hit_where_it_is(ti, engine, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["utah_teapot"])
-def test_a_benchmark_scene_gives_the_models_hits(ti, small, benchmark, tmp_path, name):
-    scene = benchmark(name)
+def test_a_benchmark_scene_gives_the_models_hits(ti, small, benchmark, images, tmp_path, name):
+    scene = images(benchmark(name))
     model = ti.trace(tmp_path / "model", scene, "random:20000", "--no-truth").good()
     rtl = checked(small.trace(tmp_path / "rtl", scene, "random:20000"))
 

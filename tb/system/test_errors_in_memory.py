@@ -13,11 +13,11 @@ STALLS = {"no-stalls": [], "stalls": ["--stall-seed", 5]}
 @pytest.mark.parametrize("stalls", STALLS)
 @pytest.mark.parametrize("rays", ["random:500", "ao:500"])
 def test_spoilt_rays_are_misses_and_the_others_right(
-    ti, engine, scene, tmp_path, rays, stalls, every
+    ti, engine, stored, tmp_path, rays, stalls, every
 ):
-    model = ti.trace(tmp_path / "model", scene, rays).good()
+    model = ti.trace(tmp_path / "model", stored, rays).good()
     options = ["--error-every", every, *STALLS[stalls]]
-    run = engine.trace(tmp_path / "rtl", scene, rays, *options).failed_its_checks()
+    run = engine.trace(tmp_path / "rtl", stored, rays, *options).failed_its_checks()
     check = run.report["check"]
 
     assert [check[name] for name in ("model_mismatches", "lost", "duplicated")] == [0, 0, 0]

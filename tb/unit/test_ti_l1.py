@@ -212,22 +212,19 @@ async def sees_a_set_as_the_write_in_the_same_cycle_leaves_it(dut):
     rng = await start(dut)
     l1 = L1(dut)
     old, new = l1.line(0, 1), l1.line(0, 2)
-    if l1.ways == 1:
-        await l1.bring(old, l1.data(rng))
-        await l1.look_up(new)
-        await l1.alloc(new, then=old)  # `old` goes as it is looked up
-        assert await l1.see(old) is None
-        return
     await l1.bring(old, l1.data(rng))
     await l1.look_up(new)
-    place = await l1.alloc(new, then=old)  # its neighbour stays
-    assert await l1.see(old) is not None
-    await l1.look_up(l1.line(0, 3))
-    other = await l1.alloc(l1.line(0, 3), then=new)
-    assert await l1.see(new) is None  # reserved, not there yet
+    place = await l1.alloc(new, then=old)
+    await l1.see(old)  # gone with the only way, else it stays
     await l1.fill(place, new, l1.data(rng))
-    assert await l1.see(new) is not None
-    await l1.fill(other, l1.line(0, 3), l1.data(rng))
+    await l1.unpin(place)
+
+    last = l1.line(0, 3)
+    await l1.look_up(last)
+    place = await l1.alloc(last, then=last)
+    assert await l1.see(last) is None  # reserved, not there yet
+    await l1.fill(place, last, l1.data(rng))
+    assert await l1.see(last) is not None
 
 
 @pytest.mark.parametrize(("cache_bytes", "ways", "line_bytes"), SHAPES)

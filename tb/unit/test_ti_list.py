@@ -122,8 +122,11 @@ async def an_error_accounts_for_the_tests_that_are_left(dut, p_ready):
     bad = set()
     listed = List(dut, rng, fails=lambda line: line in bad)
     bad |= {listed.line(place) for place in range(20, 600, 90)}
-    counts = [1, 600, *(rng.randint(1, 60) for _ in range(40))]
-    leaves = list(listed.leaves(counts))
+    leaves = list(listed.leaves([1, 600, *(rng.randint(1, 60) for _ in range(40))]))
+    edge = next(place for place in range(600) if listed.line(place) in bad)
+    leaves += [
+        listed.leaf(edge - before, before + left) for before in range(5) for left in range(1, 5)
+    ]
     whole = [leaf for leaf in leaves if not listed.tests(leaf, lambda line: line not in bad)[1]]
     assert 5 < len(whole) < len(leaves) - 5
 

@@ -126,7 +126,7 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
         ready=lambda: rng.random() < p,
     )
     LeafTests(dut, scene, rng, ready=lambda: rng.random() < p, gap=stalls(rng, 1 - p))
-    count = min(15 * int(dut.NumSlots.value), 100)
+    count = min(15 * int(dut.NumSlots.value), 150)
     rays = [r for r in random_rays(rng, count) if dispatch(scene, r) is not None]
     beats = [dispatch(scene, r, i, i % 3 == 0) for i, r in enumerate(rays)]
 
@@ -185,6 +185,18 @@ def inner(link, reorder=0, axis=0, split=0.0):
     return numbers().of(split), link << 3 | reorder << 2 | axis
 
 
+def lone_ray():
+    """A dispatch along x that every `inner(7, split=9.0)` sends on to the node after it."""
+    n = numbers()
+    given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
+    return payloads().pack("dispatch_t", ray=given, inv=n.vec((1, 2, 2)), tmax=n.of(2.0))
+
+
+def put_nodes(dut, nodes):
+    dut.node_base_i.value = BASE
+    ImageMemory(dut, b"".join(struct.pack("<2I", *node) for node in nodes), BASE)
+
+
 @cocotb.test()
 @cocotb.parametrize(nodes=["self", "pair", "beyond"])
 async def a_corrupt_tree_ends_every_ray(dut, nodes):
@@ -196,9 +208,7 @@ async def a_corrupt_tree_ends_every_ray(dut, nodes):
         "pair": ([inner(3, split=9.0), inner(0, reorder=1, split=9.0), empty, empty], WATCHDOG),
         "beyond": ([inner(1 << 20, reorder=1), empty], MEMORY_ERROR),
     }[nodes]
-    dut.node_base_i.value = BASE
-    data = b"".join(struct.pack("<2I", *node) for node in tree)
-    ImageMemory(dut, data, BASE)
+    put_nodes(dut, tree)
     n = numbers()
     given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
     inv = n.vec((1, 2, 2))
@@ -217,15 +227,26 @@ async def a_corrupt_tree_ends_every_ray(dut, nodes):
 
 
 @cocotb.test()
-async def a_step_takes_its_latency_and_the_two_cycles_of_the_ra(dut):
-    """One ray, all nodes in the L1, between the steps inside its first leaf-free stretch."""
+@cocotb.parametrize(beyond=[0, 1])
+async def the_watchdog_stops_before_the_node_that_is_too_many(dut, beyond):
+    """A leaf is the last node that is allowed, or the first that is not."""
     await start(dut)
-    dut.node_base_i.value = BASE
-    tree = [inner(7, split=9.0)] * 6 + [(0, 3)]
-    ImageMemory(dut, b"".join(struct.pack("<2I", *node) for node in tree), BASE)
-    n = numbers()
-    given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
-    beat = payloads().pack("dispatch_t", ray=given, inv=n.vec((1, 2, 2)), tmax=n.of(2.0))
+    limit = int(dut.WatchdogSteps.value)
+    put_nodes(dut, [inner(7, split=9.0)] * (limit - 1 + beyond) + [(0, 3)])
+
+    [hit] = (await all_hits(dut, [lone_ray()])).values()
+
+    assert (hit["status"], hit["steps"]) == (WATCHDOG if beyond else OK, limit)
+    assert counters(dut)["leaves"] == 1 - beyond
+    assert counters(dut)["steps"] == limit + beyond
+
+
+@cocotb.test()
+async def a_step_takes_its_latency_and_the_two_cycles_of_the_ra(dut):
+    """One ray, all nodes in the L1."""
+    await start(dut)
+    put_nodes(dut, [inner(7, split=9.0)] * 6 + [(0, 3)])
+    beat = lone_ray()
     await all_hits(dut, [beat])
 
     dut.hit_ready_i.value = 1
@@ -252,12 +273,13 @@ async def takes_one_step_every_cycle(dut, misses):
     assert 8 * len(scene.nodes) <= int(dut.CacheBytes.value), "the tree does not fit in the L1"
     ImageMemory(dut, scene.bytes, BASE)
     LeafTests(dut, scene, rng, misses=misses)
-    dut.hit_ready_i.value = 1
-    rays = [dispatch(scene, ray(o, d)) for o, d in rays_through(rng, 500)]
+    rays = [dispatch(scene, ray(o, d), i) for i, (o, d) in enumerate(rays_through(rng, 120))]
     beats = [beat for beat in rays if beat is not None]
-    cocotb.start_soon(Source(dut, "dispatch").send(rng.choice(beats) for _ in range(10_000)))
+    await all_hits(dut, beats)  # all that they read is in the L1 now
 
-    await ClockCycles(dut.clk_i, 4000)
+    dut.hit_ready_i.value = 1
+    cocotb.start_soon(Source(dut, "dispatch").send(rng.choice(beats) for _ in range(10_000)))
+    await ClockCycles(dut.clk_i, 300)
     before, since = counters(dut), cycle()
     await ClockCycles(dut.clk_i, 1000)
     after, until = counters(dut), cycle()
