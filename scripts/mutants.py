@@ -250,10 +250,10 @@ def run(mutants: list[Mutant]) -> int:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", default="", metavar="PART_OF_A_NAME")
+    parser.add_argument("--only", default="", metavar="PART_OF_A_NAME", help="a regular expression")
     arguments = parser.parse_args()
     try:
-        mutants = [mutant for mutant in load() if arguments.only in mutant.name]
+        mutants = [mutant for mutant in load() if re.search(arguments.only, mutant.name)]
         if not mutants:
             raise TableError(f"{arguments.only}: no fault of {TABLE} has this in its name")
         return run(mutants)

@@ -4,7 +4,8 @@
 
 /// A first-word-fall-through queue.
 ///
-/// A beat taken in one cycle can leave in the next; one beat a cycle both ways.  `in_ready_o` and
+/// A beat taken in one cycle can leave in the next; one beat a cycle both ways (one in two cycles with
+/// Depth 1).  `in_ready_o` and
 /// `out_valid_o` come from registers, `out_data_o` from an asynchronous read: these queues are short
 /// or narrow, so they map to distributed RAM.
 module ti_fifo #(
