@@ -70,7 +70,7 @@ render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= EN
 	@$(call ti,$(ENGINE)) render --scene $(scene) --size $(SIZE) --spp $(SPP) --effects $(EFFECTS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(or $(OUT),build/render/$(run_name))
 
-trace: need-RAYS $(needs) ## Hits of your own rays (RAYS=file.npy SCENE= CONFIG= ENGINE= OUT=)
+trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
 	@$(call ti,$(ENGINE)) trace --rays $(RAYS) --scene $(scene) $(common_args) \
 	  --out $(or $(OUT),build/trace/$(run_name))
 
@@ -112,6 +112,9 @@ format: build/setup.stamp ## Lay out RTL, C++ and Python
 	@verible-verilog-format --flagfile=lint/verible-format.flags --inplace $$(find rtl tb sim -name '*.sv')
 	@clang-format -i $$(find sw sim tb -name '*.cpp' -o -name '*.hpp')
 	@ruff format --quiet && ruff check --quiet --fix
+
+fp-volume: sw ## C++ FP operators against MPFR, small formats in full (PAIRS=10000000 of the others)
+	@build/sw/fp_volume --pairs $(or $(PAIRS),10000000) --seed $(or $(SEED),1)
 
 tree-table: build/sw/ti $(config)/config.json ## Tree statistics of the papers' scenes beside the published ones
 	@python scripts/tree_table.py build/sw/ti $(config)/config.json $(or $(SCENES),../shared/scenes)

@@ -60,13 +60,13 @@ class Memory {
     return answer;
   }
 
-  /// Copies a line into `words`; bytes outside the image are 0.
-  void read(std::uint64_t address, std::uint32_t* words) const {
+  /// Copies a line into `words`; bytes outside the image, and all bytes of an error, are 0.
+  void read(const Answer& answer, std::uint32_t* words) const {
     for (int i = 0; i < settings_.line_bytes / 4; ++i) {
       std::uint32_t word = 0;
       for (int b = 3; b >= 0; --b) {
-        const std::uint64_t at = address + static_cast<std::uint64_t>(4 * i + b) - kBase;
-        word = word << 8U | (at < image_.size() ? image_[at] : 0U);
+        const std::uint64_t at = answer.address + static_cast<std::uint64_t>(4 * i + b) - kBase;
+        word = word << 8U | (!answer.error && at < image_.size() ? image_[at] : 0U);
       }
       words[i] = word;
     }

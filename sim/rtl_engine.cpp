@@ -31,6 +31,9 @@ constexpr Format kFormat{config::kExpBits, config::kFracBits};
 /// Cycles without a ray in or out after which the rays inside count as lost.
 constexpr std::uint64_t kPatience = 2'000'000;
 
+/// Cycles in which nothing may come after the last ray.
+constexpr int kSilence = 256;
+
 struct CacheSum {
   std::uint64_t accesses = 0, hits = 0, merged = 0, misses = 0;
 
@@ -107,6 +110,7 @@ class RtlEngine final : public Engine {
       if (cycle % 1024 == 0) progress.update(came, cycle);
     }
     progress.finish(came, cycle);
+    if (came == rays.size()) result.duplicated += late_hits(core);
 
     for (std::uint8_t count : answers) result.lost += count == 0 ? 1 : 0;
     read_counters(core, cycle, memory.bytes(), progress.seconds(), result);
@@ -180,6 +184,19 @@ class RtlEngine final : public Engine {
     packer.put(id, 32);
   }
 
+  /// Hits that come when every ray has.
+  static std::uint64_t late_hits(Vti_core& core) {
+    std::uint64_t hits = 0;
+    core.ray_valid_i = 0;
+    core.m_axi_rvalid = 0;
+    core.hit_ready_i = 1;
+    for (int i = 0; i < kSilence; ++i) {
+      if (core.hit_valid_o) ++hits;
+      step(core);
+    }
+    return hits;
+  }
+
   static bool put_answer(Vti_core& core, Memory& memory, std::uint64_t cycle,
                          std::mt19937_64& random) {
     const auto answer = memory.answer(cycle, random);
@@ -187,7 +204,7 @@ class RtlEngine final : public Engine {
     core.m_axi_rid = static_cast<std::remove_reference_t<decltype(core.m_axi_rid)>>(answer->id);
     core.m_axi_rresp = answer->error ? 2 : 0;
     core.m_axi_rlast = 1;
-    memory.read(answer->address, core.m_axi_rdata.m_storage);
+    memory.read(*answer, core.m_axi_rdata.m_storage);
     return true;
   }
 

@@ -4,9 +4,10 @@
 
 /// The traversal and intersection engine: rays in, hits out, the scene behind an AXI4 read port.
 ///
-/// After the T&I Engine (Nah et al., ACM TOG 30(6), 2011).  Every ray that goes in comes out exactly once; hits
-/// come in any order and carry the ray's number.  `scene_i` must be still while rays are inside.  The taker
-/// of hits must not wait for rays to be accepted.  Throughput, size and number format follow the configuration
+/// After the T&I Engine (Nah et al., ACM TOG 30(6), 2011).  Every ray that goes in comes out exactly
+/// once; hits come in any order and carry the ray's number.  `scene_i` must be still while rays are
+/// inside; another scene at the same address needs a reset, which empties the L1s.  The taker of hits
+/// must not wait for rays to be accepted.  Throughput, size and number format follow the configuration
 /// `ti_config_pkg`.
 module ti_core #(
   localparam int unsigned NumTrv = ti_config_pkg::NumTrv,

@@ -27,9 +27,10 @@ class LineMemory:
     """Answers at most one request a cycle, at random among those that are due.
 
     `latency(line)` is the number of cycles from a request to its answer, 1 or more, or None: the
-    answer waits for `release(line)`.  `error(line)` says whether an answer is an error.  `ready()`
-    is the ready bit of each cycle.  `asked` has every line in the order of the requests, `answered`
-    (cycle, line, error) of every answer.  A role that `ports` leaves out is not driven.
+    answer waits for `release(line)`.  `error(line)` says whether an answer is an error,
+    `data(line)` gives the bytes of a good one as an integer.  `ready()` is the ready bit of each
+    cycle.  `asked` has every line in the order of the requests, `answered` (cycle, line, error) of
+    every answer.  A role that `ports` leaves out is not driven.
     """
 
     def __init__(self, dut, line_bytes, rng, ports=RA_PORTS):
@@ -37,6 +38,7 @@ class LineMemory:
         self._line_bytes = line_bytes
         self._rng = rng
         self._port = {role: getattr(dut, name) for role, name in ports.items()}
+        self.data = lambda line: line_data(line, line_bytes)
         self._waiting = []  # [cycle when due or None, identity, line]
         self.latency = lambda line: 3
         self.error = lambda line: False
@@ -73,7 +75,7 @@ class LineMemory:
             error = bool(self.error(line))
             data = self._rng.getrandbits(8 * self._line_bytes)  # of an error: anything
             self._drive("answer_id", identity)
-            self._drive("answer_data", data if error else line_data(line, self._line_bytes))
+            self._drive("answer_data", data if error else self.data(line))
             self._drive("answer_error", error)
             self.answered.append((cycle(), line, error))
 

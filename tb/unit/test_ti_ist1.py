@@ -147,7 +147,7 @@ async def a_miss_in_pass_a_fetches_nothing_more(dut):
 
     await collect(dut, rng, todo, ([], [token(test) for test in todo]), 1.0, 1.0)
 
-    assert all(line < memory.line_of(scene.bary_base) for line in memory.requested)
+    assert all(line < memory.line_of(scene.bary_base) for line in memory.asked)
     assert counters(dut)["b_passes"] == 0
 
 
