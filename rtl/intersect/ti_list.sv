@@ -5,7 +5,7 @@
 /// LIST: reads the triangle numbers of a leaf and sends one test for each.
 ///
 /// A leaf lives in a slot; the slots take turns, one list entry a cycle in all.  From a leaf taken to its
-/// first test 5 cycles with the line in the L1.  All tests of a leaf go out as fast as they are
+/// first test 4 cycles with the line in the L1.  All tests of a leaf go out as fast as they are
 /// read; they need not wait for one another.  When memory answers with an error, one return token accounts
 /// for all tests that the leaf still had to send.  The caller guarantees `leaf.count` >= 1.
 module ti_list #(
