@@ -2,8 +2,8 @@
 """Write a configuration in the forms that RTL, C++ and programs read.
 
 The one source is `configs/NAME.yaml` (or a path), changed by KEY=VALUE arguments.  DIR gets
-`ti_config_pkg.sv` (`ti_config_pkg::NumTrv`), `ti_config.hpp` (`ti::config::kNumTrv`) and
-`config.json` (the keys as they are).  Files whose content would not change keep their date, so that
+`ti_config_pkg.sv` (`ti_config_pkg::NumTrv`), `ti_config.hpp` (`ti::config::kNumTrv`),
+`config.json` (the keys as they are), and what `scripts/counters.py` writes of the counters.  Files whose content would not change keep their date, so that
 nothing is rebuilt.  A wrong key or value ends with one sentence, status 2, and no file touched.
 
 Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR
@@ -16,6 +16,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+import counters
 import yaml
 
 CONFIGS = Path(__file__).resolve().parents[1] / "configs"
@@ -40,6 +41,8 @@ class Key:
 KEYS = {
     "exp_bits": Key(3, 8),
     "frac_bits": Key(2, 23),
+    "cores": Key(1, 64),
+    "core_tile": Key(1, 4096),
     "num_trv": Key(1, 256),
     "num_list": Key(1, 256),
     "num_ist1": Key(1, 256),
@@ -49,17 +52,20 @@ KEYS = {
     "stack_depth": Key(1, 64),
     "line_bytes": Key(32, 128, power=True),
     "trv_l1_bytes": Key(64, 1 << 24),
-    "trv_l1_ways": Key(1, 16),
+    "trv_l1_ways": Key(1, 16, power=True),
     "trv_rows": Key(1, 256),
     "list_l1_bytes": Key(64, 1 << 24),
-    "list_l1_ways": Key(1, 16),
+    "list_l1_ways": Key(1, 16, power=True),
     "list_rows": Key(1, 256),
     "ist1_l1_bytes": Key(64, 1 << 24),
-    "ist1_l1_ways": Key(1, 16),
+    "ist1_l1_ways": Key(1, 16, power=True),
     "ist1_rows": Key(1, 256),
     "deal_tile": Key(1, 65536),
     "watchdog_steps": Key(1, 65535),
     "addr_bits": Key(20, 64),
+    "max_reads": Key(2, 1024, power=True),
+    "counters": Key(0, 1),
+    "ring_delays": Key(0, 1),
     "clock_mhz": Key(1, 10000),
 }
 
@@ -188,6 +194,8 @@ def configure(name_or_path: str, overrides: list[str], out: Path) -> dict[str, i
     files = {
         "ti_config_pkg.sv": package(name, config),
         "ti_config.hpp": header(name, config),
+        "ti_count_pkg.sv": counters.package(config),
+        "ti_counters.hpp": counters.header(config),
         "config.json": json.dumps({"name": name, **config}, indent=2) + "\n",
     }
     out.mkdir(parents=True, exist_ok=True)

@@ -2,28 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
-#include <random>
 #include <span>
 
 namespace ti::sim {
 
-/// A memory of fixed latency and bandwidth that holds an image at `kBase`; answers whole lines.
+/// The memory behind the read ports of an engine: it holds an image at `kBase` and answers whole lines.
 ///
-/// Lines that do not touch the image are answered with an error, as is each n-th line when the
-/// settings say so. With stalls, answers that are due come in random order.
+/// The harness calls, for each cycle of the engine's clock and each port: `ready`, `request` when a
+/// request is taken, `answer` when the port can take one; and `tick` once. What a memory does with its
+/// own time it does in `cycle`, which runs `clock_ratio` times a tick on average.
 class Memory {
  public:
   static constexpr std::uint64_t kBase = 0x100000;  ///< a multiple of every line size
-
-  struct Settings {
-    int latency = 100;  ///< cycles
-    double bytes_per_cycle = 64.0;
-    int line_bytes = 64;
-    std::uint64_t error_every = 0;  ///< 0: never
-    bool shuffle = false;
-  };
 
   struct Answer {
     std::uint32_t id;
@@ -31,38 +22,26 @@ class Memory {
     bool error;
   };
 
-  Memory(std::span<const std::uint8_t> image, const Settings& settings)
-      : image_(image), settings_(settings) {}
+  /// `clock_ratio`: cycles of the memory's clock in one of the engine's, above 0.
+  Memory(std::span<const std::uint8_t> image, int line_bytes, double clock_ratio)
+      : image_(image), line_bytes_(line_bytes), clock_ratio_(clock_ratio) {}
+  virtual ~Memory() = default;
 
-  /// Takes a request in cycle `now`.
-  void request(std::uint64_t now, std::uint32_t id, std::uint64_t address) {
-    const double start =
-        static_cast<double>(now) > port_free_ ? static_cast<double>(now) : port_free_;
-    port_free_ = start + settings_.line_bytes / settings_.bytes_per_cycle;
-    ++requests_;
-    const bool inside = address + static_cast<std::uint64_t>(settings_.line_bytes) > kBase &&
-                        address < kBase + image_.size();
-    const bool error =
-        !inside || (settings_.error_every != 0 && requests_ % settings_.error_every == 0);
-    waiting_.push_back(
-        {static_cast<std::uint64_t>(start) + static_cast<std::uint64_t>(settings_.latency),
-         {id, address, error}});
-  }
+  /// Whether a port can take a request in this cycle.
+  [[nodiscard]] virtual bool ready(int port) const = 0;
+  /// Takes a request; the port was ready.
+  virtual void request(int port, std::uint32_t id, std::uint64_t address) = 0;
+  /// An answer for a port, if one is due.
+  [[nodiscard]] virtual std::optional<Answer> answer(int port) = 0;
 
-  /// An answer that is due in cycle `now`.
-  [[nodiscard]] std::optional<Answer> answer(std::uint64_t now, std::mt19937_64& random) {
-    std::size_t due = 0;
-    while (due < waiting_.size() && due < 8 && waiting_[due].when <= now) ++due;
-    if (due == 0) return std::nullopt;
-    const std::size_t pick = settings_.shuffle ? random() % due : 0;
-    const Answer answer = waiting_[pick].answer;
-    waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(pick));
-    return answer;
+  /// A cycle of the engine's clock has passed.
+  void tick() {
+    for (time_ += clock_ratio_; time_ >= 1.0; time_ -= 1.0) cycle();
   }
 
   /// Copies a line into `words`; bytes outside the image, and all bytes of an error, are 0.
   void read(const Answer& answer, std::uint32_t* words) const {
-    for (int i = 0; i < settings_.line_bytes / 4; ++i) {
+    for (int i = 0; i < line_bytes_ / 4; ++i) {
       std::uint32_t word = 0;
       for (int b = 3; b >= 0; --b) {
         const std::uint64_t at = answer.address + static_cast<std::uint64_t>(4 * i + b) - kBase;
@@ -72,21 +51,29 @@ class Memory {
     }
   }
 
+  /// Bytes that went to the ports.
   [[nodiscard]] std::uint64_t bytes() const {
-    return requests_ * static_cast<std::uint64_t>(settings_.line_bytes);
+    return lines_ * static_cast<std::uint64_t>(line_bytes_);
   }
 
- private:
-  struct Waiting {
-    std::uint64_t when;
-    Answer answer;
-  };
+ protected:
+  virtual void cycle() = 0;
 
+  /// Whether the line at `address` touches the image.
+  [[nodiscard]] bool inside(std::uint64_t address) const {
+    return address + static_cast<std::uint64_t>(line_bytes_) > kBase &&
+           address < kBase + image_.size();
+  }
+  [[nodiscard]] int line_bytes() const { return line_bytes_; }
+  /// Counts a line; its number, from 1.
+  std::uint64_t count_line() { return ++lines_; }
+
+ private:
   std::span<const std::uint8_t> image_;
-  Settings settings_;
-  std::deque<Waiting> waiting_;
-  double port_free_ = 0.0;
-  std::uint64_t requests_ = 0;
+  int line_bytes_;
+  double clock_ratio_;
+  double time_ = 0.0;
+  std::uint64_t lines_ = 0;
 };
 
 }  // namespace ti::sim

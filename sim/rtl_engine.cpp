@@ -7,12 +7,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "Vti_core.h"
+#include "Vti_engine.h"
 #include "app/engine.hpp"
 #include "bits.hpp"
 #include "common/error.hpp"
+#include "counters.hpp"
+#include "fixed_memory.hpp"
 #include "io/file.hpp"
-#include "memory.hpp"
 #include "progress.hpp"
 #include "ti_config.hpp"
 #include "verilated.h"
@@ -20,12 +21,12 @@
 namespace ti {
 namespace {
 
+using sim::FixedMemory;
 using sim::Memory;
 using sim::Packer;
 using sim::Unpacker;
 
 constexpr int kFpWidth = 1 + config::kExpBits + config::kFracBits;
-constexpr int kCounterWidth = 48;
 constexpr Format kFormat{config::kExpBits, config::kFracBits};
 
 /// Cycles without a ray in or out after which the rays inside count as lost.
@@ -34,19 +35,16 @@ constexpr std::uint64_t kPatience = 2'000'000;
 /// Cycles in which nothing may come after the last ray.
 constexpr int kSilence = 256;
 
-struct CacheSum {
-  std::uint64_t accesses = 0, hits = 0, merged = 0, misses = 0;
-
-  void add(Unpacker& from) {
-    misses += from.get(kCounterWidth);
-    merged += from.get(kCounterWidth);
-    hits += from.get(kCounterWidth);
-    accesses += from.get(kCounterWidth);
-  }
-  [[nodiscard]] CacheCounters named(const std::string& name) const {
-    return {name, accesses, hits, merged, misses};
-  }
-};
+/// Bit `core` of a port that has one bit a core.
+template <typename Port>
+[[nodiscard]] bool bit(const Port& port, int top) {
+  return ((port >> top) & 1U) != 0;
+}
+template <typename Port>
+void set_bit(Port& port, int top, bool value) {
+  const auto mask = static_cast<Port>(Port{1} << top);
+  port = static_cast<Port>(value ? port | mask : port & ~mask);
+}
 
 class RtlEngine final : public Engine {
  public:
@@ -56,15 +54,17 @@ class RtlEngine final : public Engine {
   [[nodiscard]] EngineResult trace(std::span<const Ray> rays) override {
     VerilatedContext context;
     start_log(context);
-    Vti_core core(&context);
+    Vti_engine top(&context);
     std::mt19937_64 random(options_.stall_seed);
-    Memory memory(image_.bytes(), {.latency = options_.memory_latency,
-                                   .bytes_per_cycle = options_.memory_bytes_per_cycle,
-                                   .line_bytes = config::kLineBytes,
-                                   .error_every = options_.error_every,
-                                   .shuffle = options_.stall_seed != 0});
-    reset(core);
-    set_scene(core);
+    FixedMemory memory(image_.bytes(), {.ports = config::kCores,
+                                        .latency = options_.memory_latency,
+                                        .bytes_per_cycle = options_.memory_bytes_per_cycle,
+                                        .line_bytes = config::kLineBytes,
+                                        .error_every = options_.error_every,
+                                        .shuffle_seed = options_.stall_seed});
+    reset(top);
+    set_scene(top);
+    top.count_run_i = 1;
 
     EngineResult result;
     result.hits.resize(rays.size());
@@ -77,49 +77,46 @@ class RtlEngine final : public Engine {
     std::size_t sent = 0;
     std::size_t came = 0;
     bool ray_up = false;
-    bool answer_up = false;
 
     // The engine's valid and ready outputs come from registers, so the inputs of a cycle may follow
     // from its outputs.
     while (came < rays.size() && cycle - last_event < kPatience) {
-      if (core.ray_valid_i && core.ray_ready_o) {
+      if (top.ray_valid_i && top.ray_ready_o) {
         ++sent;
         ray_up = false;
         last_event = cycle;
       }
-      if (core.hit_valid_o && core.hit_ready_i) {
-        take(core, rays, answers, result, model_work);
+      if (top.hit_valid_o && top.hit_ready_i) {
+        take(top, rays, answers, result, model_work);
         ++came;
         last_event = cycle;
       }
-      if (core.m_axi_arvalid && core.m_axi_arready)
-        memory.request(cycle, core.m_axi_arid, core.m_axi_araddr);
-      if (core.m_axi_rvalid && core.m_axi_rready) answer_up = false;
-      step(core);
+      const std::uint64_t answered = take_reads(top, memory);
+      step(top);
+      memory.tick();
       ++cycle;
 
       if (!ray_up && sent < rays.size() && !stall(random)) {
-        put_ray(core, static_cast<std::uint32_t>(sent), rays[sent]);
+        put_ray(top, static_cast<std::uint32_t>(sent), rays[sent]);
         ray_up = true;
       }
-      core.ray_valid_i = ray_up;
-      core.hit_ready_i = !stall(random);
-      core.m_axi_arready = !stall(random);
-      if (!answer_up && !stall(random)) answer_up = put_answer(core, memory, cycle, random);
-      core.m_axi_rvalid = answer_up;
+      top.ray_valid_i = ray_up;
+      top.hit_ready_i = !stall(random);
+      put_answers(top, memory, answered, random);
       if (cycle % 1024 == 0) progress.update(came, cycle);
     }
     progress.finish(came, cycle);
-    if (came == rays.size()) result.duplicated += late_hits(core);
+    if (came == rays.size()) result.duplicated += late_hits(top);
 
     for (std::uint8_t count : answers) result.lost += count == 0 ? 1 : 0;
-    read_counters(core, cycle, memory.bytes(), progress.seconds(), result);
-    if (options_.lock_step && options_.error_every == 0 && !(result.work == model_work)) {
+    read_counters(top, cycle, memory.bytes(), progress.seconds(), result);
+    if (options_.lock_step && options_.error_every == 0 && config::kCounters != 0 &&
+        !(result.work == model_work)) {
       result.lock_step.work_differs = true;
       result.lock_step.examples.push_back(
           fmt::format("RTL {}; model {}", text_of(result.work), text_of(model_work)));
     }
-    core.final();
+    top.final();
     return result;
   }
 
@@ -137,18 +134,18 @@ class RtlEngine final : public Engine {
     context.commandArgs(static_cast<int>(arguments.size()), arguments.data());
   }
 
-  static void step(Vti_core& core) {
-    core.clk_i = 0;
-    core.eval();
-    core.clk_i = 1;
-    core.eval();
+  static void step(Vti_engine& top) {
+    top.clk_i = 0;
+    top.eval();
+    top.clk_i = 1;
+    top.eval();
   }
 
-  static void reset(Vti_core& core) {
-    core.rst_ni = 0;
-    for (int i = 0; i < 4; ++i) step(core);
-    core.rst_ni = 1;
-    step(core);
+  static void reset(Vti_engine& top) {
+    top.rst_ni = 0;
+    for (int i = 0; i < 4; ++i) step(top);
+    top.rst_ni = 1;
+    step(top);
   }
 
   [[nodiscard]] bool stall(std::mt19937_64& random) const {
@@ -156,10 +153,10 @@ class RtlEngine final : public Engine {
            static_cast<double>(random() >> 11U) * 0x1p-53 < options_.stall_share;
   }
 
-  void set_scene(Vti_core& core) const {
+  void set_scene(Vti_engine& top) const {
     const ImageHeader& header = image_.header();
-    std::fill(std::begin(core.scene_i.m_storage), std::end(core.scene_i.m_storage), 0U);
-    Packer scene(core.scene_i.m_storage);
+    std::fill(std::begin(top.scene_i.m_storage), std::end(top.scene_i.m_storage), 0U);
+    Packer scene(top.scene_i.m_storage);
     for (const auto& corner : {header.box_hi, header.box_lo}) {
       for (std::uint32_t bits : corner) scene.put(bits, kFpWidth);
     }
@@ -167,12 +164,14 @@ class RtlEngine final : public Engine {
          {header.bary_offset, header.plane_offset, header.list_offset, header.node_offset}) {
       scene.put(Memory::kBase + offset, config::kAddrBits);
     }
+    scene.put(header.triangle_count, 29);
+    scene.put(header.list_count, 32);
     scene.put(header.root, 29);
   }
 
-  static void put_ray(Vti_core& core, std::uint32_t id, const Ray& ray) {
-    std::fill(std::begin(core.ray_data_i.m_storage), std::end(core.ray_data_i.m_storage), 0U);
-    Packer packer(core.ray_data_i.m_storage);
+  static void put_ray(Vti_engine& top, std::uint32_t id, const Ray& ray) {
+    std::fill(std::begin(top.ray_data_i.m_storage), std::end(top.ray_data_i.m_storage), 0U);
+    Packer packer(top.ray_data_i.m_storage);
     const auto put = [&packer](float value) {
       packer.put(round_to_bits(kFormat, value), kFpWidth);
     };
@@ -185,32 +184,51 @@ class RtlEngine final : public Engine {
   }
 
   /// Hits that come when every ray has.
-  static std::uint64_t late_hits(Vti_core& core) {
+  static std::uint64_t late_hits(Vti_engine& top) {
     std::uint64_t hits = 0;
-    core.ray_valid_i = 0;
-    core.m_axi_rvalid = 0;
-    core.hit_ready_i = 1;
+    top.ray_valid_i = 0;
+    top.m_axi_rvalid = 0;
+    top.hit_ready_i = 1;
     for (int i = 0; i < kSilence; ++i) {
-      if (core.hit_valid_o) ++hits;
-      step(core);
+      if (top.hit_valid_o) ++hits;
+      step(top);
     }
     return hits;
   }
 
-  static bool put_answer(Vti_core& core, Memory& memory, std::uint64_t cycle,
-                         std::mt19937_64& random) {
-    const auto answer = memory.answer(cycle, random);
-    if (!answer) return false;
-    core.m_axi_rid = static_cast<std::remove_reference_t<decltype(core.m_axi_rid)>>(answer->id);
-    core.m_axi_rresp = answer->error ? 2 : 0;
-    core.m_axi_rlast = 1;
-    memory.read(*answer, core.m_axi_rdata.m_storage);
-    return true;
+  /// Takes the requests that move in this cycle; the ports whose answers do, a bit each.
+  static std::uint64_t take_reads(const Vti_engine& top, Memory& memory) {
+    std::uint64_t answered = 0;
+    for (int core = 0; core < config::kCores; ++core) {
+      if (bit(top.m_axi_arvalid, core) && bit(top.m_axi_arready, core))
+        memory.request(core, top.m_axi_arid[core], top.m_axi_araddr[core]);
+      if (bit(top.m_axi_rvalid, core) && bit(top.m_axi_rready, core))
+        set_bit(answered, core, true);
+    }
+    return answered;
   }
 
-  void take(const Vti_core& core, std::span<const Ray> rays, std::vector<std::uint8_t>& answers,
+  /// The inputs of the read ports in the next cycle.
+  void put_answers(Vti_engine& top, Memory& memory, std::uint64_t answered,
+                   std::mt19937_64& random) const {
+    for (int core = 0; core < config::kCores; ++core) {
+      set_bit(top.m_axi_arready, core, memory.ready(core) && !stall(random));
+      if (bit(answered, core)) set_bit(top.m_axi_rvalid, core, false);
+      if (bit(top.m_axi_rvalid, core) || stall(random)) continue;
+      const auto answer = memory.answer(core);
+      if (!answer) continue;
+      top.m_axi_rid[core] =
+          static_cast<std::remove_reference_t<decltype(top.m_axi_rid[core])>>(answer->id);
+      top.m_axi_rresp[core] = answer->error ? 2 : 0;
+      set_bit(top.m_axi_rlast, core, true);
+      memory.read(*answer, top.m_axi_rdata[core].m_storage);
+      set_bit(top.m_axi_rvalid, core, true);
+    }
+  }
+
+  void take(const Vti_engine& top, std::span<const Ray> rays, std::vector<std::uint8_t>& answers,
             EngineResult& result, Work& model_work) const {
-    Unpacker fields(core.hit_data_o.m_storage);
+    Unpacker fields(top.hit_data_o.m_storage);
     HitBits hit;
     hit.steps = static_cast<std::uint16_t>(fields.get(16));
     hit.v = static_cast<std::uint32_t>(fields.get(kFpWidth));
@@ -251,47 +269,38 @@ class RtlEngine final : public Engine {
     return fmt::format("ray {}: RTL {}; model {}", id, text(got), text(expected));
   }
 
-  static void read_counters(const Vti_core& core, std::uint64_t cycles, std::uint64_t bytes,
+  /// Stops the counters and reads them all.
+  static void read_counters(Vti_engine& top, std::uint64_t cycles, std::uint64_t bytes,
                             double seconds, EngineResult& result) {
+    const sim::Counters counts(top, [&top] { step(top); });
     Work& work = result.work;
-    CacheSum trv;
-    CacheSum list;
-    CacheSum ist1;
-    std::uint64_t ids = 0;
-    Unpacker trv_fields(core.trv_counters_o.m_storage);
-    for (int i = 0; i < config::kNumTrv; ++i) {
-      trv.add(trv_fields);
-      (void)trv_fields.get(kCounterWidth);  // rays
-      work.restarts += trv_fields.get(kCounterWidth);
-      work.full_leaves += trv_fields.get(kCounterWidth);
-      work.leaves += trv_fields.get(kCounterWidth);
-      work.steps += trv_fields.get(kCounterWidth);
-    }
-    Unpacker list_fields(core.list_counters_o.m_storage);
-    for (int i = 0; i < config::kNumList; ++i) {
-      list.add(list_fields);
-      ids += list_fields.get(kCounterWidth);
-    }
-    Unpacker ist1_fields(core.ist1_counters_o.m_storage);
-    for (int i = 0; i < config::kNumIst1; ++i) {
-      ist1.add(ist1_fields);
-      work.b_tests += ist1_fields.get(kCounterWidth);
-      work.a_tests += ist1_fields.get(kCounterWidth);
-    }
-    work.c_tests = core.ist2_counters_o;
+    work.steps = counts.sum("trv", "steps");
+    work.leaves = counts.sum("trv", "leaves");
+    work.full_leaves = counts.sum("trv", "full_leaves");
+    work.restarts = counts.sum("trv", "restarts") + counts.sum("trv", "restarts_after_tests");
+    work.a_tests = counts.sum("ist1", "a_passes");
+    work.b_tests = counts.sum("ist1", "b_passes");
+    work.c_tests = counts.sum("ist2", "c_passes");
 
     const auto share = [cycles](std::uint64_t busy, int units) {
-      return cycles == 0 ? 0.0 : static_cast<double>(busy) / (static_cast<double>(cycles) * units);
+      return cycles == 0
+                 ? 0.0
+                 : static_cast<double>(busy) / (static_cast<double>(cycles) * config::kCores * units);
     };
     RtlCounters counters;
     counters.cycles = cycles;
     counters.dram_bytes = bytes;
     counters.seconds = seconds;
     counters.trv_busy = share(work.steps, config::kNumTrv);
-    counters.list_busy = share(ids, config::kNumList);
+    counters.list_busy = share(counts.sum("list", "ids"), config::kNumList);
     counters.ist1_busy = share(work.a_tests + work.b_tests, config::kNumIst1);
     counters.ist2_busy = share(work.c_tests, 1);
-    counters.caches = {trv.named("trv_l1"), list.named("list_l1"), ist1.named("ist1_l1")};
+    for (const char* unit : {"trv", "list", "ist1"}) {
+      counters.caches.push_back({fmt::format("{}_l1", unit), counts.sum(unit, "l1_accesses"),
+                                 counts.sum(unit, "l1_hits"), counts.sum(unit, "l1_merged"),
+                                 counts.sum(unit, "l1_misses")});
+    }
+    if (config::kCounters != 0) counters.accounts = counts.accounts(cycles);
     result.rtl = counters;
   }
 

@@ -5,21 +5,21 @@
 
 rtl_build := build/$(tag)
 verilated := $(rtl_build)/verilated
-rtl_sources := $(wildcard rtl/*/*.sv rtl/*/*.svh) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
+rtl_sources := $(wildcard rtl/*.sv rtl/*/*.sv rtl/*/*.svh rtl/*/*/*.sv) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
 harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp)) $(rtl_build)/obj/main.o
 
-VERILATOR_FLAGS := --cc --top-module ti_core --prefix Vti_core -O3 \
+VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 \
   --x-assign fast --x-initial fast $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
 HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
   -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
-verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_core.mk)
+verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)
 LIBRARIES = $(if $(wildcard /usr/include/embree4),-lembree4,-lembree3) \
   -lassimp -lfmt -lzstd -lz -lgmpxx -lgmp -pthread -latomic
 
 # Always run; rewrites only what changes, so that nothing is rebuilt without need.
 $(config)/config.json: FORCE | build/setup.stamp
 	@python scripts/configure.py $(CONFIG) $(SET) --out $(config)
-$(config)/ti_config_pkg.sv $(config)/ti_config.hpp: $(config)/config.json ;
+$(config)/ti_config_pkg.sv $(config)/ti_config.hpp $(config)/ti_count_pkg.sv $(config)/ti_counters.hpp: $(config)/config.json ;
 
 # --- C++ programs, by CMake ---------------------------------------------------------------------
 
@@ -48,15 +48,15 @@ build/sw/libti_sw.a: build/sw/build.ninja FORCE
 
 # --- ti with the RTL ----------------------------------------------------------------------------
 
-$(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv sim/sim.mk build/setup.stamp
+$(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv sim/sim.mk build/setup.stamp
 	@scripts/logged.sh $(rtl_build)/verilate.log "build: Verilator ($(tag))" verilator $(VERILATOR_FLAGS) \
-	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv -f rtl/ti.f $(wildcard sim/*.sv)
+	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv -f rtl/ti.f $(wildcard sim/*.sv)
 	@scripts/logged.sh $(rtl_build)/model.log "build: compile the RTL model ($(tag))" \
-	  $(MAKE) -j $(jobs) -C $(verilated) -f Vti_core.mk OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2 \
-	  libVti_core.a libverilated.a
+	  $(MAKE) -j $(jobs) -C $(verilated) -f Vti_engine.mk OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2 \
+	  libVti_engine.a libverilated.a
 	@touch $@
 
-$(rtl_build)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp
+$(rtl_build)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp $(config)/ti_counters.hpp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
 $(rtl_build)/obj/main.o: sw/app/main.cpp build/setup.stamp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
@@ -64,7 +64,7 @@ $(rtl_build)/obj/main.o: sw/app/main.cpp build/setup.stamp
 
 $(rtl_build)/ti: $(harness) $(verilated)/stamp build/sw/libti_sw.a
 	@scripts/logged.sh $(rtl_build)/link.log "build: $@" $(cxx) -o $@ $(harness) \
-	  $(verilated)/libVti_core.a $(verilated)/libverilated.a build/sw/libti_sw.a $(LIBRARIES)
+	  $(verilated)/libVti_engine.a $(verilated)/libverilated.a build/sw/libti_sw.a $(LIBRARIES)
 
 engine: $(rtl_build)/ti ## Build ti with the RTL of CONFIG=
 

@@ -4,7 +4,8 @@
 
 /// N streams into one, round robin: who was served comes last.
 ///
-/// Latency 1 cycle (the output is a `ti_stage`), one beat a cycle.
+/// Latency 1 cycle, one beat a cycle.  The output is a `ti_fifo` of two entries, so the grant does not depend on
+/// `out_ready_i` and no ready chain runs through.
 module ti_arbiter #(
   parameter type payload_t = logic,
   /// Inputs, 1 or more.
@@ -14,8 +15,9 @@ module ti_arbiter #(
   input logic rst_ni,
 
   input  logic     [NumIn-1:0] in_valid_i,
-  output logic     [NumIn-1:0] in_ready_o,
-  input  payload_t [NumIn-1:0] in_data_i,
+  output logic     [NumIn-1:0] in_ready_o,         // the grant: only where valid
+  output logic     [NumIn-1:0] in_lost_o,          // valid, and another is served in its place
+  input  payload_t             in_data_i  [NumIn],
 
   output logic     out_valid_o,
   input  logic     out_ready_i,
@@ -24,7 +26,7 @@ module ti_arbiter #(
 
   localparam int unsigned IndexWidth = (NumIn > 1) ? $clog2(NumIn) : 1;
 
-  logic any, stage_ready;
+  logic any, room;
   logic [IndexWidth-1:0] index, from_q;
 
   ti_round_robin #(
@@ -36,23 +38,25 @@ module ti_arbiter #(
     .index_o  (index)
   );
 
-  assign in_ready_o = (any && stage_ready) ? NumIn'(1) << index : '0;
+  assign in_ready_o = (any && room) ? NumIn'(1) << index : '0;
+  assign in_lost_o  = room ? in_valid_i & ~in_ready_o : '0;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       from_q <= '0;
-    end else if (any && stage_ready) begin
+    end else if (any && room) begin
       from_q <= (index == IndexWidth'(NumIn - 1)) ? '0 : index + 1'b1;
     end
   end
 
-  ti_stage #(
-    .payload_t(payload_t)
-  ) u_stage (
+  ti_fifo #(
+    .payload_t(payload_t),
+    .Depth    (2)
+  ) u_out (
     .clk_i,
     .rst_ni,
     .in_valid_i(any),
-    .in_ready_o(stage_ready),
+    .in_ready_o(room),
     .in_data_i (in_data_i[index]),
     .out_valid_o,
     .out_ready_i,
@@ -61,5 +65,6 @@ module ti_arbiter #(
 
   `TI_ASSERT(GrantOneHot, $onehot0(in_ready_o))
   `TI_ASSERT(GrantOnlyRequests, (in_ready_o & ~in_valid_i) == '0)
+  `TI_COVER(RequestLost, |in_lost_o)
 
 endmodule : ti_arbiter

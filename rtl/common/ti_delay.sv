@@ -3,7 +3,8 @@
 /// A payload that leaves `Cycles` cycles after it came, beside a pipeline of fixed latency.
 ///
 /// No stall, no reset: what comes out means something only where the pipeline's valid bit says so.
-/// From three cycles on it is a ring in distributed RAM, which costs one word moved a cycle.
+/// From three cycles on it is a ring in distributed RAM, which costs one word moved a cycle, or with
+/// `ti_config_pkg::RingDelays` 0 a chain of registers, which synthesis turns into shift registers.
 module ti_delay #(
   parameter type payload_t = logic,
   /// 0 or more.
@@ -19,7 +20,7 @@ module ti_delay #(
     logic unused;
     assign unused = clk_i & rst_ni;
     assign data_o = data_i;
-  end else if (Cycles <= 2) begin : gen_shift
+  end else if (Cycles <= 2 || ti_config_pkg::RingDelays == 0) begin : gen_shift
     payload_t stage_q[Cycles];
     logic unused;
     assign unused = rst_ni;

@@ -5,9 +5,9 @@
 /// A first-word-fall-through queue.
 ///
 /// A beat taken in one cycle can leave in the next; one beat a cycle both ways (one in two cycles with
-/// Depth 1).  `in_ready_o` and
-/// `out_valid_o` come from registers, `out_data_o` from an asynchronous read: these queues are short
-/// or narrow, so they map to distributed RAM.
+/// Depth 1).  `in_ready_o` and `out_valid_o` come from registers, so no path runs through: with Depth 2 this is
+/// what cuts a stream at the border of a unit.  `out_data_o` is an asynchronous read: these queues are short or
+/// narrow, so they map to distributed RAM.
 module ti_fifo #(
   parameter type payload_t = logic,
   /// Entries, 1 or more.
@@ -28,7 +28,7 @@ module ti_fifo #(
 );
 
   payload_t mem_q[Depth];
-  logic [PointerWidth-1:0] head_q, tail_q;
+  logic [PointerWidth-1:0] head_q, tail_q, head_next, tail_next;
   logic [CountWidth-1:0] count_q;
   logic push, pop;
 
@@ -38,9 +38,8 @@ module ti_fifo #(
   assign push        = in_valid_i && in_ready_o;
   assign pop         = out_valid_o && out_ready_i;
 
-  function automatic logic [PointerWidth-1:0] next(input logic [PointerWidth-1:0] pointer);
-    return (pointer == PointerWidth'(Depth - 1)) ? '0 : pointer + 1'b1;
-  endfunction
+  assign head_next   = (head_q == PointerWidth'(Depth - 1)) ? '0 : head_q + 1'b1;
+  assign tail_next   = (tail_q == PointerWidth'(Depth - 1)) ? '0 : tail_q + 1'b1;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -48,8 +47,8 @@ module ti_fifo #(
       tail_q  <= '0;
       count_q <= '0;
     end else begin
-      if (push) tail_q <= next(tail_q);
-      if (pop) head_q <= next(head_q);
+      if (push) tail_q <= tail_next;
+      if (pop) head_q <= head_next;
       if (push != pop) count_q <= push ? count_q + 1'b1 : count_q - 1'b1;
     end
   end

@@ -2,8 +2,9 @@
 
 /// Memory with one registered read port and one write port; the place to swap in a block RAM or macro.
 ///
-/// Latency 1 cycle.  `read_data_o` keeps its value while `read_en_i` is low.  A read of the address
-/// that is written in the same cycle returns the old or the new data: callers never use such a read.
+/// Latency 1 cycle.  `read_data_o` keeps its value while `read_en_i` is low.  A read of the address that is
+/// written in the same cycle returns anything, and callers never use such a read: in simulation it is the
+/// inverse of the old word.
 module ti_ram_1r1w #(
   parameter type word_t = logic,
   /// Words, 1 or more.
@@ -26,6 +27,11 @@ module ti_ram_1r1w #(
   always_ff @(posedge clk_i) begin
     if (read_en_i) read_data_o <= mem_q[read_addr_i];
     if (write_en_i) mem_q[write_addr_i] <= write_data_i;
+`ifndef SYNTHESIS
+    if (read_en_i && write_en_i && read_addr_i == write_addr_i) begin
+      read_data_o <= ~mem_q[read_addr_i];
+    end
+`endif
   end
 
 endmodule : ti_ram_1r1w

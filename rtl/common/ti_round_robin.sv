@@ -22,15 +22,13 @@ module ti_round_robin #(
   assign lowest = pick & (~pick + Num'(1));
 
   // Index of a one-hot word: bit b of the index is the OR of the positions that have it.
-  always_comb begin
-    index_o = '0;
-    for (int unsigned b = 0; b < IndexWidth; b++) begin
-      index_o[b] = |(lowest & position_mask(b));
-    end
-  end
-
   function automatic logic [Num-1:0] position_mask(input int unsigned b);
     for (int unsigned i = 0; i < Num; i++) position_mask[i] = i[b];
   endfunction
+
+  for (genvar b = 0; b < IndexWidth; b++) begin : gen_bit
+    localparam logic [Num-1:0] Positions = position_mask(b);
+    assign index_o[b] = |(lowest & Positions);
+  end
 
 endmodule : ti_round_robin

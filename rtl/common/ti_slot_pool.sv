@@ -49,6 +49,18 @@ module ti_slot_pool #(
     .out_data_o (queue_slot)
   );
 
+`ifndef SYNTHESIS
+  logic [NumSlots-1:0] taken_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      taken_q <= '0;
+    end else begin
+      if (give_i) taken_q[give_slot_i] <= 1'b0;
+      if (take_i) taken_q[free_slot_o] <= 1'b1;
+    end
+  end
+  `TI_ASSERT(GivesOnlyTaken, give_i |-> taken_q[give_slot_i])
+`endif
   `TI_ASSERT(TakesOnlyFree, take_i |-> free_valid_o)
 
 endmodule : ti_slot_pool

@@ -17,16 +17,17 @@ module ti_xbar #(
   input logic rst_ni,
 
   input  logic     [NumIn-1:0]                in_valid_i,
-  output logic     [NumIn-1:0]                in_ready_o,
-  input  payload_t [NumIn-1:0]                in_data_i,
+  output logic     [NumIn-1:0]                in_ready_o,         // the grant: only where valid
+  output logic     [NumIn-1:0]                in_lost_o,          // another is served in its place
+  input  payload_t                            in_data_i  [NumIn],
   input  logic     [NumIn-1:0][DestWidth-1:0] in_dest_i,
 
   output logic     [NumOut-1:0] out_valid_o,
   input  logic     [NumOut-1:0] out_ready_i,
-  output payload_t [NumOut-1:0] out_data_o
+  output payload_t              out_data_o [NumOut]
 );
 
-  logic [NumOut-1:0][NumIn-1:0] request, grant;
+  logic [NumOut-1:0][NumIn-1:0] request, grant, lost;
 
   always_comb begin
     request = '0;
@@ -37,7 +38,11 @@ module ti_xbar #(
 
   always_comb begin
     in_ready_o = '0;
-    for (int unsigned o = 0; o < NumOut; o++) in_ready_o |= grant[o];
+    in_lost_o  = '0;
+    for (int unsigned o = 0; o < NumOut; o++) begin
+      in_ready_o |= grant[o];
+      in_lost_o |= lost[o];
+    end
   end
 
   for (genvar o = 0; o < NumOut; o++) begin : gen_output
@@ -49,6 +54,7 @@ module ti_xbar #(
       .rst_ni,
       .in_valid_i (request[o]),
       .in_ready_o (grant[o]),
+      .in_lost_o  (lost[o]),
       .in_data_i,
       .out_valid_o(out_valid_o[o]),
       .out_ready_i(out_ready_i[o]),
@@ -56,6 +62,10 @@ module ti_xbar #(
     );
   end
 
-  `TI_ASSERT(TakenAtMostOnce, (in_ready_o & ~in_valid_i) == '0)
+  for (genvar i = 0; i < NumIn; i++) begin : gen_check
+    `TI_ASSERT(DestExists, in_valid_i[i] |-> 32'(in_dest_i[i]) < NumOut)
+    `TI_ASSERT(TakenOnlyWhenValid, in_ready_o[i] |-> in_valid_i[i])
+    `TI_ASSERT(TakenByItsOutput, in_ready_o[i] |-> grant[in_dest_i[i]][i])
+  end
 
 endmodule : ti_xbar

@@ -13,39 +13,38 @@ module ti_ist1 #(
   parameter int unsigned Rows = 2,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
-  localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1,
   localparam int unsigned OperandLatency = 1,  // slot memories
   localparam int unsigned PipeLatency = 4 * ti_fp_pkg::AddLatency + 3 * ti_fp_pkg::MulLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
 ) (
-  input logic clk_i,
-  input logic rst_ni,
-  input ti_pkg::addr_t plane_base_i,
-  input ti_pkg::addr_t bary_base_i,
+  input  logic              clk_i,
+  input  logic              rst_ni,
+  input  logic              flush_i,       // forget all lines; only while idle
+  output logic              idle_o,        // no test inside, nothing on its way
+  input  ti_mem_pkg::addr_t plane_base_i,  // a multiple of 32
+  input  ti_mem_pkg::addr_t bary_base_i,   // a multiple of 32
 
   input  logic          test_valid_i,
   output logic          test_ready_o,
-  input  ti_pkg::test_t test_data_i,
+  input  ti_intersect_pkg::test_t test_data_i,
 
   output logic               candidate_valid_o,
   input  logic               candidate_ready_i,
-  output ti_pkg::candidate_t candidate_data_o,
+  output ti_intersect_pkg::candidate_t candidate_data_o,
 
   output logic            return_valid_o,  // misses and errors
   input  logic            return_ready_i,
   output ti_pkg::return_t return_data_o,
 
-  output logic                              line_req_valid_o,
-  input  logic                              line_req_ready_i,
-  output logic               [RowWidth-1:0] line_req_row_o,
-  output ti_pkg::line_addr_t                line_req_line_o,
+  output logic                  line_req_valid_o,
+  input  logic                  line_req_ready_i,
+  output ti_mem_pkg::line_req_t line_req_data_o,
 
-  input logic                         line_rsp_valid_i,
-  input logic          [RowWidth-1:0] line_rsp_row_i,
-  input ti_pkg::line_t                line_rsp_data_i,
-  input logic                         line_rsp_error_i,
+  input  logic                  line_rsp_valid_i,
+  output logic                  line_rsp_ready_o,
+  input  ti_mem_pkg::line_rsp_t line_rsp_data_i,
 
-  output ti_pkg::ist1_counters_t counters_o
+  output ti_count_pkg::ist1_events_t events_o  // `room` where an output waits
 );
 
   localparam int unsigned SlotWidth = $clog2(NumSlots);
@@ -53,9 +52,8 @@ module ti_ist1 #(
   typedef logic [SlotWidth-1:0] slot_t;
 
   typedef struct packed {
-    ti_pkg::vec3_t o;
-    ti_pkg::vec3_t d;
-    ti_pkg::fp_t   tbest;
+    ti_pkg::ray_operands_t ray;
+    ti_pkg::fp_t           tbest;
   } operands_t;
 
   /// What pass (a) leaves for pass (b).
@@ -76,8 +74,8 @@ module ti_ist1 #(
 
   typedef struct packed {
     slot_t         slot;
-    ti_pkg::addr_t addr;
-  } want_t;
+    ti_mem_pkg::addr_t addr;
+  } request_t;
 
   // Slots.
   logic slot_free, take, give;
@@ -110,57 +108,58 @@ module ti_ist1 #(
   tag_t result_tag;
   ti_pkg::fp_t result_det, result_dett, result_x, result_y;
 
-  // Requests: new tests and tests that have passed (a) take turns.
+  // Requests: an arbiter of new tests and tests that have passed (a).
   logic req_valid, req_ready, go_on;
-  logic [1:0] want_valid, want_ready;
-  slot_t want_a_slot, want_b_slot;
-  want_t [1:0] want;
-  want_t req;
+  logic [1:0] requests_valid, requests_ready, requests_lost;
+  slot_t plane_req_slot, bary_req_slot;
+  request_t requests[2];
+  request_t req;
 
   ti_queue #(
     .payload_t(slot_t),
     .Depth    (NumSlots)
-  ) u_want_a (
+  ) u_plane_req (
     .clk_i,
     .rst_ni,
     .push_i     (take),
     .push_data_i(new_slot),
-    .out_valid_o(want_valid[0]),
-    .out_ready_i(want_ready[0]),
-    .out_data_o (want_a_slot)
+    .out_valid_o(requests_valid[0]),
+    .out_ready_i(requests_ready[0]),
+    .out_data_o (plane_req_slot)
   );
 
   ti_queue #(
     .payload_t(slot_t),
     .Depth    (NumSlots)
-  ) u_want_b (
+  ) u_bary_req (
     .clk_i,
     .rst_ni,
     .push_i     (go_on),
     .push_data_i(result_tag.slot),
-    .out_valid_o(want_valid[1]),
-    .out_ready_i(want_ready[1]),
-    .out_data_o (want_b_slot)
+    .out_valid_o(requests_valid[1]),
+    .out_ready_i(requests_ready[1]),
+    .out_data_o (bary_req_slot)
   );
 
-  assign want[0] = '{
-          slot: want_a_slot,
-          addr: plane_base_i + (ti_pkg::addr_t'(record_q[want_a_slot]) << 5)
+  assign requests[0] = '{
+          slot: plane_req_slot,
+          addr: plane_base_i + (ti_mem_pkg::addr_t'(record_q[plane_req_slot]) << 5)
       };
-  assign want[1] = '{
-          slot: want_b_slot,
-          addr: bary_base_i + (ti_pkg::addr_t'(record_q[want_b_slot]) << 4)
+  assign requests[1] = '{
+          slot: bary_req_slot,
+          addr: bary_base_i + (ti_mem_pkg::addr_t'(record_q[bary_req_slot]) << 4)
       };
 
   ti_arbiter #(
-    .payload_t(want_t),
+    .payload_t(request_t),
     .NumIn    (2)
-  ) u_turn (
+  ) u_requests (
     .clk_i,
     .rst_ni,
-    .in_valid_i (want_valid),
-    .in_ready_o (want_ready),
-    .in_data_i  (want),
+    .in_valid_i (requests_valid),
+    .in_ready_o (requests_ready),
+    .in_lost_o  (requests_lost),
+    .in_data_i  (requests),
     .out_valid_o(req_valid),
     .out_ready_i(req_ready),
     .out_data_o (req)
@@ -172,21 +171,23 @@ module ti_ist1 #(
     if (go_on) pass_b_q[result_tag.slot] <= 1'b1;
   end
 
-  logic rsp_valid, rsp_error, event_access, event_hit, event_merged, event_miss;
+  logic rsp_valid, rsp_error, ra_idle, ra_waits;
+  ti_count_pkg::cache_events_t cache_events;
   slot_t rsp_slot;
   logic [8*ElemBytes-1:0] rsp_elem;
 
   ti_ra #(
     .NumSlots  (NumSlots),
     .Rows      (Rows),
-    .AddrWidth (ti_pkg::AddrWidth),
-    .LineBytes (ti_pkg::LineBytes),
     .ElemBytes (ElemBytes),
     .CacheBytes(CacheBytes),
     .Ways      (Ways)
   ) u_ra (
     .clk_i,
     .rst_ni,
+    .flush_i,
+    .idle_o        (ra_idle),
+    .waits_o       (ra_waits),
     .req_valid_i   (req_valid),
     .req_ready_o   (req_ready),
     .req_slot_i    (req.slot),
@@ -198,26 +199,21 @@ module ti_ist1 #(
     .rsp_error_o   (rsp_error),
     .line_req_valid_o,
     .line_req_ready_i,
-    .line_req_row_o,
-    .line_req_line_o,
+    .line_req_data_o,
     .line_rsp_valid_i,
-    .line_rsp_row_i,
+    .line_rsp_ready_o,
     .line_rsp_data_i,
-    .line_rsp_error_i,
-    .event_access_o(event_access),
-    .event_hit_o   (event_hit),
-    .event_merged_o(event_merged),
-    .event_miss_o  (event_miss)
+    .events_o      (cache_events)
   );
 
   // Operands.
-  logic issue_q, issue_error_q, issue_b;
+  logic issue_q, issue_error_q, issue_b_q, issue_odd_q;
   slot_t issue_slot_q;
   logic [8*ElemBytes-1:0] issue_elem_q;
   operands_t operands;
   between_t between, between_new;
-  ti_pkg::plane_t plane;
-  ti_pkg::bary_t  bary;
+  ti_intersect_pkg::plane_t plane;
+  ti_intersect_pkg::bary_t  bary;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -232,6 +228,8 @@ module ti_ist1 #(
     if (rsp_valid) begin
       issue_slot_q <= rsp_slot;
       issue_elem_q <= rsp_elem;
+      issue_b_q    <= pass_b_q[rsp_slot];
+      issue_odd_q  <= record_q[rsp_slot][0];
     end
   end
 
@@ -245,7 +243,7 @@ module ti_ist1 #(
     .read_data_o (operands),
     .write_en_i  (take),
     .write_addr_i(new_slot),
-    .write_data_i('{o: test_data_i.o, d: test_data_i.d, tbest: test_data_i.tbest})
+    .write_data_i('{ray: test_data_i.operands, tbest: test_data_i.tbest})
   );
 
   ti_ram_1r1w #(
@@ -261,17 +259,16 @@ module ti_ist1 #(
     .write_data_i(between_new)
   );
 
-  assign issue_b = pass_b_q[issue_slot_q];
-  assign plane   = issue_elem_q;
-  assign bary    = record_q[issue_slot_q][0] ? issue_elem_q[255:128] : issue_elem_q[127:0];
+  assign plane = issue_elem_q;
+  assign bary  = issue_odd_q ? issue_elem_q[255:128] : issue_elem_q[127:0];
 
   // The two passes.
   tag_t issue_tag;
 
   assign issue_tag = '{
           slot: issue_slot_q,
-          axis: issue_b ? between.axis : plane.axis[1:0],
-          prim: issue_b ? between.prim : plane.prim
+          axis: issue_b_q ? between.axis : plane.axis[1:0],
+          prim: issue_b_q ? between.prim : plane.prim
       };
 
   ti_ist1_pipe #(
@@ -280,11 +277,11 @@ module ti_ist1 #(
     .clk_i,
     .rst_ni,
     .valid_i (issue_q),
-    .pass_b_i(issue_b),
+    .pass_b_i(issue_b_q),
     .tag_i   (issue_tag),
     .axis_i  (issue_tag.axis),
-    .o_i     (operands.o),
-    .d_i     (operands.d),
+    .o_i     (operands.ray.o),
+    .d_i     (operands.ray.d),
     .tbest_i (operands.tbest),
     .plane_i (plane),
     .bary_i  (bary),
@@ -313,9 +310,9 @@ module ti_ist1 #(
       };
 
   // What leaves: tests inside the triangle to IST2, misses and errors home.
-  ti_ist1_leave #(
+  ti_ist1_egress #(
     .NumSlots(NumSlots)
-  ) u_leave (
+  ) u_egress (
     .clk_i,
     .rst_ni,
     .take_i       (take),
@@ -341,27 +338,35 @@ module ti_ist1 #(
     .give_slot_o  (give_slot)
   );
 
-  ti_cache_counters u_cache_counters (
-    .clk_i,
-    .rst_ni,
-    .event_access_i(event_access),
-    .event_hit_i   (event_hit),
-    .event_merged_i(event_merged),
-    .event_miss_i  (event_miss),
-    .counters_o    (counters_o.cache)
-  );
-
+  // What happens, for counting.
+  logic [SlotWidth:0] inside_q;  // tests
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) begin
-      counters_o.a_passes <= '0;
-      counters_o.b_passes <= '0;
-    end else if (issue_q) begin
-      if (issue_b) counters_o.b_passes <= counters_o.b_passes + 1'b1;
-      else counters_o.a_passes <= counters_o.a_passes + 1'b1;
-    end
+    if (!rst_ni) inside_q <= '0;
+    else if (take != give) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
+  end
+  assign idle_o = inside_q == '0 && ra_idle && !candidate_valid_o && !return_valid_o;
+
+  always_comb begin
+    events_o.activity = '0;
+    if (issue_q) events_o.activity.works = 1'b1;
+    else if (ra_waits) events_o.activity.memory = 1'b1;
+    else if ((candidate_valid_o && !candidate_ready_i) || (return_valid_o && !return_ready_i))
+      events_o.activity.room = 1'b1;
+    else if (inside_q != '0) events_o.activity.latency = 1'b1;
+    else events_o.activity.empty = 1'b1;
+
+    events_o.a_passes = issue_q && !issue_b_q;
+    events_o.b_passes = issue_q && issue_b_q;
+    events_o.cache    = cache_events;
   end
 
-  if (ti_pkg::LineBytes < ElemBytes) begin : gen_check_line_bytes
+  logic unused_lost;
+  assign unused_lost = |requests_lost;
+
+  // Else the parts of a triangle would lie across the elements that are fetched.
+  `TI_ASSERT(PartsAreAligned, plane_base_i[4:0] == '0 && bary_base_i[4:0] == '0)
+
+  if (ti_mem_pkg::LineBytes < ElemBytes) begin : gen_check_line_bytes
     $error("ti_ist1: LineBytes must hold a plane part, 32 bytes");
   end
 

@@ -15,10 +15,10 @@
 /// | G3 2 MUL| TimeG3    | limit = tbest*det, audet = au*det    | e0u*Dv, e0v*Du                    |
 /// | X2 1 ADD| TimeX2    | m = nu*au + nv*av                    | detv = e0u*Dv - e0v*Du            |
 /// | X3 1 ADD| TimeX3    | dett = m + aw                        | sum = detu + detv                 |
-/// | CMP     | TimeEnd   | &#124;limit&#124; + 4 ulp < &#124;dett&#124; | &#124;sum&#124; <= &#124;det&#124; |
+/// | CMP     | TimeEnd   | mag(limit) + 4 ulp < mag(dett) | mag(sum) <= mag(det)    |
 ///
 /// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign, or
-/// &#124;dett&#124; exceeds &#124;limit&#124; by more than 4 ulp.  The last counts only where tbest, limit and
+/// |dett| exceeds |limit| by more than 4 ulp.  The last counts only where tbest, limit and
 /// 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tbest for certain, as its relative error
 /// is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.
 /// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
@@ -44,8 +44,8 @@ module ti_ist1_pipe #(
   input ti_pkg::vec3_t                 o_i,
   input ti_pkg::vec3_t                 d_i,
   input ti_pkg::fp_t                   tbest_i,
-  input ti_pkg::plane_t                plane_i,   // (a)
-  input ti_pkg::bary_t                 bary_i,    // (b), as are the next four
+  input ti_intersect_pkg::plane_t                plane_i,   // (a)
+  input ti_intersect_pkg::bary_t                 bary_i,    // (b), as are the next four
   input ti_pkg::fp_t                   det_i,
   input ti_pkg::fp_t                   dett_i,
   input ti_pkg::fp_t                   audet_i,
@@ -62,9 +62,11 @@ module ti_ist1_pipe #(
 );
 
   typedef ti_pkg::fp_t fp_t;
-  localparam int unsigned W = ti_pkg::FpWidth;
-  localparam int unsigned E = ti_pkg::ExpBits;
-  localparam int unsigned M = ti_pkg::FracBits;
+  localparam int unsigned W = ti_num_pkg::FpWidth;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
+  // Units in the last place by which the range test of (a) errs on the side of keeping.
+  localparam int unsigned CullUlps = 4;
 
   // Which pass is where.
   logic [TimeEnd:0] valid_q, pass_b_q;
@@ -76,11 +78,28 @@ module ti_ist1_pipe #(
 
   // Time 0, components in the order u, v, w.
   ti_pkg::vec3_t o, d;
-  assign o = ti_pkg::turn_to(o_i, axis_i);
-  assign d = ti_pkg::turn_to(d_i, axis_i);
+  always_comb begin
+    unique case (axis_i)
+      2'd0: begin
+        o = {o_i[0], o_i[2], o_i[1]};
+        d = {d_i[0], d_i[2], d_i[1]};
+      end
+      2'd1: begin
+        o = {o_i[1], o_i[0], o_i[2]};
+        d = {d_i[1], d_i[0], d_i[2]};
+      end
+      default: begin
+        o = {o_i[2], o_i[1], o_i[0]};
+        d = {d_i[2], d_i[1], d_i[0]};
+      end
+    endcase
+  end
 
   fp_t [2:0] g1;
-  ti_fp_mul #(E, M) u_g1_0 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g1_0 (
     .clk_i,
     .rst_ni,
     .valid_i,
@@ -89,7 +108,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(g1[0])
   );
-  ti_fp_mul #(E, M) u_g1_1 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g1_1 (
     .clk_i,
     .rst_ni,
     .valid_i,
@@ -98,7 +120,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(g1[1])
   );
-  ti_fp_mul #(E, M) u_g1_2 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g1_2 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_i && pass_b_i),
@@ -110,7 +135,10 @@ module ti_ist1_pipe #(
 
   // TimeH: (a) p and o, (b) au*det.
   fp_t [2:0] p_h, o_h;
-  ti_delay #(logic [6*W-1:0], TimeH) u_to_h (
+  ti_delay #(
+    .payload_t(logic [6*W-1:0]),
+    .Cycles   (TimeH)
+  ) u_to_h (
     .clk_i,
     .rst_ni,
     .data_i({
@@ -126,7 +154,10 @@ module ti_ist1_pipe #(
   assign b_h  = pass_b_q[TimeH-1];
 
   fp_t h_u, h_v, h_w, h_n;  // (a) au, av, aw, n; (b) Du, Dv
-  ti_fp_add #(E, M) u_h_u (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_u (
     .clk_i,
     .rst_ni,
     .valid_i(at_h),
@@ -136,7 +167,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(h_u)
   );
-  ti_fp_add #(E, M) u_h_v (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_v (
     .clk_i,
     .rst_ni,
     .valid_i(at_h),
@@ -146,7 +180,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(h_v)
   );
-  ti_fp_add #(E, M) u_h_w (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_w (
     .clk_i,
     .rst_ni,
     .valid_i(at_h && !b_h),
@@ -156,7 +193,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(h_w)
   );
-  ti_fp_add #(E, M) u_h_n (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_n (
     .clk_i,
     .rst_ni,
     .valid_i(at_h && !b_h),
@@ -169,7 +209,10 @@ module ti_ist1_pipe #(
 
   // TimeG2.
   fp_t g2_k0, g2_k1;  // (a) nu, nv; (b) e1v, e1u
-  ti_delay #(logic [2*W-1:0], TimeG2) u_to_g2 (
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeG2)
+  ) u_to_g2 (
     .clk_i,
     .rst_ni,
     .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} :
@@ -178,7 +221,10 @@ module ti_ist1_pipe #(
   );
 
   fp_t g2_0, g2_1;
-  ti_fp_mul #(E, M) u_g2_0 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g2_0 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeG2-1]),
@@ -187,7 +233,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(g2_0)
   );
-  ti_fp_mul #(E, M) u_g2_1 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g2_1 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeG2-1]),
@@ -201,19 +250,28 @@ module ti_ist1_pipe #(
   fp_t n_x1, dw_x1, x1;
   logic b_x1;
   assign b_x1 = pass_b_q[TimeX1-1];
-  ti_delay #(fp_t, TimeX1 - TimeG2) u_n_to_x1 (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeX1 - TimeG2)
+  ) u_n_to_x1 (
     .clk_i,
     .rst_ni,
     .data_i(h_n),
     .data_o(n_x1)
   );
-  ti_delay #(fp_t, TimeX1) u_dw_to_x1 (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeX1)
+  ) u_dw_to_x1 (
     .clk_i,
     .rst_ni,
     .data_i(d[2]),
     .data_o(dw_x1)
   );
-  ti_fp_add #(E, M) u_x1 (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x1 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeX1-1]),
@@ -229,19 +287,28 @@ module ti_ist1_pipe #(
   logic b_g3;
   assign b_g3 = pass_b_q[TimeG3-1];
   // (a) tbest; (b) e0u, e0v.
-  ti_delay #(logic [2*W-1:0], TimeG3) u_to_g3 (
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeG3)
+  ) u_to_g3 (
     .clk_i,
     .rst_ni,
     .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tbest_i}),
     .data_o({g3_k1, g3_k0})
   );
-  ti_delay #(logic [2*W-1:0], TimeG3 - TimeG2) u_h_to_g3 (
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeG3 - TimeG2)
+  ) u_h_to_g3 (
     .clk_i,
     .rst_ni,
     .data_i({h_v, h_u}),
     .data_o({hv_g3, hu_g3})
   );
-  ti_fp_mul #(E, M) u_g3_0 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g3_0 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeG3-1]),
@@ -250,7 +317,10 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(g3_0)
   );
-  ti_fp_mul #(E, M) u_g3_1 (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g3_1 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeG3-1]),
@@ -264,13 +334,19 @@ module ti_ist1_pipe #(
   fp_t g2_0_x2, g2_1_x2, x2;
   logic b_x2;
   assign b_x2 = pass_b_q[TimeX2-1];
-  ti_delay #(logic [2*W-1:0], TimeX2 - TimeX1) u_g2_to_x2 (
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeX2 - TimeX1)
+  ) u_g2_to_x2 (
     .clk_i,
     .rst_ni,
     .data_i({g2_1, g2_0}),
     .data_o({g2_1_x2, g2_0_x2})
   );
-  ti_fp_add #(E, M) u_x2 (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x2 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeX2-1]),
@@ -285,19 +361,28 @@ module ti_ist1_pipe #(
   fp_t aw_x3, x1_x3, x3;
   logic b_x3;
   assign b_x3 = pass_b_q[TimeX3-1];
-  ti_delay #(fp_t, TimeX3 - TimeG2) u_aw_to_x3 (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeX3 - TimeG2)
+  ) u_aw_to_x3 (
     .clk_i,
     .rst_ni,
     .data_i(h_w),
     .data_o(aw_x3)
   );
-  ti_delay #(fp_t, TimeX3 - TimeG3) u_x1_to_x3 (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeX3 - TimeG3)
+  ) u_x1_to_x3 (
     .clk_i,
     .rst_ni,
     .data_i(x1),
     .data_o(x1_x3)
   );
-  ti_fp_add #(E, M) u_x3 (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x3 (
     .clk_i,
     .rst_ni,
     .valid_i(valid_q[TimeX3-1]),
@@ -313,31 +398,46 @@ module ti_ist1_pipe #(
   logic [TagWidth-1:0] tag_end;
   logic b_end;
   assign b_end = pass_b_q[TimeEnd-1];
-  ti_delay #(fp_t, TimeEnd - TimeX3) u_x1_to_end (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeEnd - TimeX3)
+  ) u_x1_to_end (
     .clk_i,
     .rst_ni,
     .data_i(x1_x3),
     .data_o(x1_end)
   );
-  ti_delay #(fp_t, TimeEnd - TimeX3) u_x2_to_end (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeEnd - TimeX3)
+  ) u_x2_to_end (
     .clk_i,
     .rst_ni,
     .data_i(x2),
     .data_o(x2_end)
   );
-  ti_delay #(logic [2*W-1:0], TimeEnd - TimeX2) u_g3_to_end (
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeEnd - TimeX2)
+  ) u_g3_to_end (
     .clk_i,
     .rst_ni,
     .data_i({g3_1, g3_0}),
     .data_o({audet, limit})
   );
-  ti_delay #(fp_t, TimeEnd - TimeG2) u_av_to_end (
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeEnd - TimeG2)
+  ) u_av_to_end (
     .clk_i,
     .rst_ni,
     .data_i(h_v),
     .data_o(av_end)
   );
-  ti_delay #(logic [2*W+TagWidth-1:0], TimeEnd) u_to_end (
+  ti_delay #(
+    .payload_t(logic [2*W+TagWidth-1:0]),
+    .Cycles   (TimeEnd)
+  ) u_to_end (
     .clk_i,
     .rst_ni,
     .data_i({tag_i, dett_i, pass_b_i ? det_i : tbest_i}),
@@ -345,20 +445,75 @@ module ti_ist1_pipe #(
   );
   assign tbest_end = det_in;
 
-  /// Zero, or a number of the same sign.
-  function automatic logic agrees(input fp_t x, input fp_t sign_of);
-    return ti_pkg::fp_is_zero(x) ||
-        (ti_pkg::fp_sign(x) == ti_pkg::fp_sign(sign_of) && !ti_pkg::fp_is_nan(x));
-  endfunction
+  // What kinds of numbers these are.
+  logic zero_det, finite_det, zero_dett, finite_dett, nan_dett, normal_tbest, normal_limit;
+  logic zero_x1, nan_x1, zero_x2, nan_x2;
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x1_class (  // (a) det, (b) detu
+    .x_i     (x1_end),
+    .zero_o  (zero_x1),
+    .finite_o(finite_det),
+    .normal_o(),
+    .nan_o   (nan_x1)
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x2_class (  // (b) detv
+    .x_i     (x2_end),
+    .zero_o  (zero_x2),
+    .finite_o(),
+    .normal_o(),
+    .nan_o   (nan_x2)
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x3_class (  // (a) dett
+    .x_i     (x3),
+    .zero_o  (zero_dett),
+    .finite_o(finite_dett),
+    .normal_o(),
+    .nan_o   (nan_dett)
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_tbest_class (
+    .x_i     (tbest_end),
+    .zero_o  (),
+    .finite_o(),
+    .normal_o(normal_tbest),
+    .nan_o   ()
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_limit_class (
+    .x_i     (limit),
+    .zero_o  (),
+    .finite_o(),
+    .normal_o(normal_limit),
+    .nan_o   ()
+  );
+  assign zero_det = zero_x1;
 
   // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
-  fp_t det_a, dett_a, cmp_a, cmp_b;
-  logic lt, le, inverse_is_normal, cull, good_a, keep_a, keep_b;
-  assign det_a  = x1_end;
-  assign dett_a = x3;
-  assign cmp_a  = b_end ? ti_pkg::fp_magnitude(x3) : ti_pkg::fp_ulps_up(limit, 4);
-  assign cmp_b  = ti_pkg::fp_magnitude(b_end ? det_in : dett_a);
-  ti_fp_cmp #(E, M) u_cmp (
+  fp_t det_a, dett_a, limit_size, limit_up, cmp_a, cmp_b;
+  logic lt, le, inverse_is_normal, cull, good_a, dett_agrees, x1_agrees, x2_agrees, keep_a, keep_b;
+  assign det_a      = x1_end;
+  assign dett_a     = x3;
+  assign limit_size = {1'b0, limit[W-2:0]};
+  assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
+      limit_size + fp_t'(CullUlps);
+  assign cmp_a      = b_end ? {1'b0, x3[W-2:0]} : limit_up;
+  assign cmp_b      = {1'b0, b_end ? det_in[W-2:0] : dett_a[W-2:0]};
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_cmp (
     .a_i(cmp_a),
     .b_i(cmp_b),
     .lt_o(lt),
@@ -367,21 +522,16 @@ module ti_ist1_pipe #(
     .unordered_o()
   );
 
-  assign inverse_is_normal = ti_pkg::fp_exponent(det_a) <= E'(2 * ti_pkg::FpBias - 2);
-  assign cull = lt && inverse_is_normal && ti_pkg::fp_is_normal(
-      tbest_end
-  ) && ti_pkg::fp_is_normal(
-      limit
-  );
-  assign good_a = !ti_pkg::fp_is_zero(
-      det_a
-  ) && ti_pkg::fp_is_finite(
-      det_a
-  ) && ti_pkg::fp_is_finite(
-      dett_a
-  );
-  assign keep_a = good_a && agrees(dett_a, det_a) && !cull;
-  assign keep_b = agrees(x1_end, det_in) && agrees(x2_end, det_in) && le;
+  // Zero, or a number of the same sign.
+  assign dett_agrees = zero_dett || (dett_a[W-1] == det_a[W-1] && !nan_dett);
+  assign x1_agrees   = zero_x1 || (x1_end[W-1] == det_in[W-1] && !nan_x1);
+  assign x2_agrees   = zero_x2 || (x2_end[W-1] == det_in[W-1] && !nan_x2);
+
+  assign inverse_is_normal = det_a[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
+  assign cull = lt && inverse_is_normal && normal_tbest && normal_limit;
+  assign good_a = !zero_det && finite_det && finite_dett;
+  assign keep_a = good_a && dett_agrees && !cull;
+  assign keep_b = x1_agrees && x2_agrees && le;
 
   always_ff @(posedge clk_i) begin
     if (valid_q[TimeEnd-1]) begin

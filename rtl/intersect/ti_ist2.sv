@@ -7,27 +7,28 @@
 /// Fixed latency inside, `Latency` cycles to the output queue; credits in front hold back what the
 /// queue could not take.  One candidate a cycle.  A t that is not finite makes the test a miss.
 module ti_ist2 #(
-  localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_pkg::FracBits),
+  localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned Latency = RcpLatency + ti_fp_pkg::MulLatency + QueueLatency
 ) (
-  input logic clk_i,
-  input logic rst_ni,
+  input  logic clk_i,
+  input  logic rst_ni,
+  output logic idle_o,  // nothing inside
 
   input  logic               candidate_valid_i,
   output logic               candidate_ready_o,
-  input  ti_pkg::candidate_t candidate_data_i,
+  input  ti_intersect_pkg::candidate_t candidate_data_i,
 
   output logic            return_valid_o,
   input  logic            return_ready_i,
   output ti_pkg::return_t return_data_o,
 
-  output ti_pkg::ist2_counters_t counters_o
+  output ti_count_pkg::ist2_events_t events_o  // `room` where the output waits
 );
 
-  localparam int unsigned W = ti_pkg::FpWidth;
-  localparam int unsigned E = ti_pkg::ExpBits;
-  localparam int unsigned M = ti_pkg::FracBits;
+  localparam int unsigned W = ti_num_pkg::FpWidth;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
   // A credit comes back one cycle after a beat has left the queue.
   localparam int unsigned Depth = Latency + 2;
   localparam int unsigned CountWidth = $clog2(Depth + 1);
@@ -53,7 +54,10 @@ module ti_ist2 #(
   ti_pkg::fp_t r, dett, detu, detv, t, u, v;
   who_t who;
 
-  ti_fp_rcp #(E, M) u_rcp (
+  ti_fp_rcp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_rcp (
     .clk_i,
     .rst_ni,
     .valid_i(take),
@@ -61,13 +65,19 @@ module ti_ist2 #(
     .valid_o(r_valid),
     .result_o(r)
   );
-  ti_delay #(logic [3*W-1:0], RcpLatency) u_to_mul (
+  ti_delay #(
+    .payload_t(logic [3*W-1:0]),
+    .Cycles   (RcpLatency)
+  ) u_to_mul (
     .clk_i,
     .rst_ni,
     .data_i({candidate_data_i.dett, candidate_data_i.detu, candidate_data_i.detv}),
     .data_o({dett, detu, detv})
   );
-  ti_fp_mul #(E, M) u_t (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_t (
     .clk_i,
     .rst_ni,
     .valid_i(r_valid),
@@ -76,7 +86,10 @@ module ti_ist2 #(
     .valid_o(t_valid),
     .result_o(t)
   );
-  ti_fp_mul #(E, M) u_u (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_u (
     .clk_i,
     .rst_ni,
     .valid_i(r_valid),
@@ -85,7 +98,10 @@ module ti_ist2 #(
     .valid_o(),
     .result_o(u)
   );
-  ti_fp_mul #(E, M) u_v (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_v (
     .clk_i,
     .rst_ni,
     .valid_i(r_valid),
@@ -94,7 +110,10 @@ module ti_ist2 #(
     .valid_o(),
     .result_o(v)
   );
-  ti_delay #(who_t, RcpLatency + ti_fp_pkg::MulLatency) u_who (
+  ti_delay #(
+    .payload_t(who_t),
+    .Cycles   (RcpLatency + ti_fp_pkg::MulLatency)
+  ) u_who (
     .clk_i,
     .rst_ni,
     .data_i('{home: candidate_data_i.home, prim: candidate_data_i.prim}),
@@ -126,9 +145,15 @@ module ti_ist2 #(
     .out_data_o (return_data_o)
   );
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) counters_o <= '0;
-    else if (take) counters_o.c_passes <= counters_o.c_passes + 1'b1;
+  assign idle_o = credits_q == CountWidth'(Depth);
+  always_comb begin
+    events_o.activity = '0;
+    if (take) events_o.activity.works = 1'b1;
+    else if (return_valid_o && !return_ready_i) events_o.activity.room = 1'b1;
+    else if (!idle_o) events_o.activity.latency = 1'b1;
+    else events_o.activity.empty = 1'b1;
+
+    events_o.c_passes = take;
   end
 
   `TI_ASSERT(CreditsInRange, credits_q <= CountWidth'(Depth))

@@ -4,20 +4,24 @@
 
 /// LIST: reads the triangle numbers of a leaf and sends one test for each.
 ///
-/// A leaf lives in a slot; the slots take turns, one list entry a cycle in all.  From a leaf taken to its
+/// A leaf lives in a slot; the slots are served in turn, one list entry a cycle in all.  From a leaf taken to its
 /// first test 4 cycles with the line in the L1.  All tests of a leaf go out as fast as they are
-/// read; they need not wait for one another.  When memory answers with an error, one return token accounts
-/// for all tests that the leaf still had to send.  The caller guarantees `leaf.count` >= 1.
+/// read; they need not wait for one another.  When memory answers with an error, or the entry lies beyond
+/// `num_list_i` or names a triangle beyond `num_records_i`, one return token accounts for all tests that the
+/// leaf still had to send.  The caller guarantees `leaf.count` >= 1.
 module ti_list #(
   parameter int unsigned NumSlots = 4,
   parameter int unsigned Rows = 2,
   parameter int unsigned CacheBytes = 512,
-  parameter int unsigned Ways = 2,
-  localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1
+  parameter int unsigned Ways = 2
 ) (
-  input logic clk_i,
-  input logic rst_ni,
-  input ti_pkg::addr_t list_base_i,
+  input  logic                clk_i,
+  input  logic                rst_ni,
+  input  logic                flush_i,       // forget all lines; only while idle
+  output logic                idle_o,        // no leaf inside, nothing on its way
+  input  ti_mem_pkg::addr_t   list_base_i,   // a multiple of 4
+  input  ti_pkg::list_index_t num_list_i,    // entries
+  input  ti_pkg::record_t     num_records_i, // triangles
 
   input  logic          leaf_valid_i,
   output logic          leaf_ready_o,
@@ -25,23 +29,21 @@ module ti_list #(
 
   output logic          test_valid_o,
   input  logic          test_ready_i,
-  output ti_pkg::test_t test_data_o,
+  output ti_intersect_pkg::test_t test_data_o,
 
   output logic            return_valid_o,
   input  logic            return_ready_i,
   output ti_pkg::return_t return_data_o,
 
-  output logic                              line_req_valid_o,
-  input  logic                              line_req_ready_i,
-  output logic               [RowWidth-1:0] line_req_row_o,
-  output ti_pkg::line_addr_t                line_req_line_o,
+  output logic                  line_req_valid_o,
+  input  logic                  line_req_ready_i,
+  output ti_mem_pkg::line_req_t line_req_data_o,
 
-  input logic                         line_rsp_valid_i,
-  input logic          [RowWidth-1:0] line_rsp_row_i,
-  input ti_pkg::line_t                line_rsp_data_i,
-  input logic                         line_rsp_error_i,
+  input  logic                  line_rsp_valid_i,
+  output logic                  line_rsp_ready_o,
+  input  ti_mem_pkg::line_rsp_t line_rsp_data_i,
 
-  output ti_pkg::list_counters_t counters_o
+  output ti_count_pkg::list_events_t events_o  // `room` where an output waits
 );
 
   localparam int unsigned SlotWidth = $clog2(NumSlots);
@@ -49,15 +51,14 @@ module ti_list #(
 
   // Slots: what the tests of the leaf share, and how far it has been read.
   typedef struct packed {
-    ti_pkg::home_t home;
-    ti_pkg::vec3_t o;
-    ti_pkg::vec3_t d;
-    ti_pkg::fp_t   tbest;
+    ti_pkg::home_t         home;
+    ti_pkg::ray_operands_t operands;
+    ti_pkg::fp_t           tbest;
   } shared_t;
 
   logic slot_free, take, again, done, step;
   slot_t new_slot, rsp_slot, answer_slot_q;
-  logic [31:0] position_q[NumSlots];
+  ti_pkg::list_index_t position_q[NumSlots];
   ti_pkg::tri_count_t remaining_q[NumSlots];
   ti_pkg::tri_count_t remaining;
 
@@ -77,41 +78,43 @@ module ti_list #(
   );
 
   // Whoever has ids left stands in this queue once; a leaf that goes on comes before a new one.
-  logic want_valid, want_ready;
-  slot_t want_slot;
+  logic next_valid, next_ready;
+  slot_t next_slot;
 
   ti_queue #(
     .payload_t(slot_t),
     .Depth    (NumSlots)
-  ) u_want (
+  ) u_next (
     .clk_i,
     .rst_ni,
     .push_i     (take || again),
     .push_data_i(again ? answer_slot_q : new_slot),
-    .out_valid_o(want_valid),
-    .out_ready_i(want_ready),
-    .out_data_o (want_slot)
+    .out_valid_o(next_valid),
+    .out_ready_i(next_ready),
+    .out_data_o (next_slot)
   );
 
   logic rsp_valid, rsp_ready, rsp_error;
   logic [31:0] rsp_id;
-  logic event_access, event_hit, event_merged, event_miss;
+  logic ra_idle, ra_waits;
+  ti_count_pkg::cache_events_t cache_events;
 
   ti_ra #(
     .NumSlots  (NumSlots),
     .Rows      (Rows),
-    .AddrWidth (ti_pkg::AddrWidth),
-    .LineBytes (ti_pkg::LineBytes),
     .ElemBytes (4),
     .CacheBytes(CacheBytes),
     .Ways      (Ways)
   ) u_ra (
     .clk_i,
     .rst_ni,
-    .req_valid_i   (want_valid),
-    .req_ready_o   (want_ready),
-    .req_slot_i    (want_slot),
-    .req_addr_i    (list_base_i + (ti_pkg::addr_t'(position_q[want_slot]) << 2)),
+    .flush_i,
+    .idle_o        (ra_idle),
+    .waits_o       (ra_waits),
+    .req_valid_i   (next_valid),
+    .req_ready_o   (next_ready),
+    .req_slot_i    (next_slot),
+    .req_addr_i    (list_base_i + (ti_mem_pkg::addr_t'(position_q[next_slot]) << 2)),
     .rsp_valid_o   (rsp_valid),
     .rsp_ready_i   (rsp_ready),
     .rsp_slot_o    (rsp_slot),
@@ -119,21 +122,16 @@ module ti_list #(
     .rsp_error_o   (rsp_error),
     .line_req_valid_o,
     .line_req_ready_i,
-    .line_req_row_o,
-    .line_req_line_o,
+    .line_req_data_o,
     .line_rsp_valid_i,
-    .line_rsp_row_i,
+    .line_rsp_ready_o,
     .line_rsp_data_i,
-    .line_rsp_error_i,
-    .event_access_o(event_access),
-    .event_hit_o   (event_hit),
-    .event_merged_o(event_merged),
-    .event_miss_o  (event_miss)
+    .events_o      (cache_events)
   );
 
   // The answer beside the slot's shared operands.
   logic answer_valid_q, answer_error_q, answer_taken;
-  logic [31:0] answer_id_q;
+  ti_pkg::record_t answer_record_q;
   shared_t shared;
 
   assign rsp_ready = !answer_valid_q || answer_taken;
@@ -146,8 +144,9 @@ module ti_list #(
   always_ff @(posedge clk_i) begin
     if (rsp_valid && rsp_ready) begin
       answer_slot_q  <= rsp_slot;
-      answer_id_q    <= rsp_id;
-      answer_error_q <= rsp_error;
+      answer_record_q <= ti_pkg::record_t'(rsp_id);
+      answer_error_q <= rsp_error || position_q[rsp_slot] >= num_list_i ||
+          rsp_id >= 32'(num_records_i);
     end
   end
 
@@ -162,7 +161,7 @@ module ti_list #(
     .write_en_i(take),
     .write_addr_i(new_slot),
     .write_data_i(
-    '{home: leaf_data_i.home, o: leaf_data_i.o, d: leaf_data_i.d, tbest: leaf_data_i.tbest}
+    '{home: leaf_data_i.home, operands: leaf_data_i.operands, tbest: leaf_data_i.tbest}
     )
   );
 
@@ -171,9 +170,8 @@ module ti_list #(
   assign test_valid_o = answer_valid_q && !answer_error_q;
   assign test_data_o = '{
           home: shared.home,
-          record: answer_id_q[28:0],
-          o: shared.o,
-          d: shared.d,
+          record: answer_record_q,
+          operands: shared.operands,
           tbest: shared.tbest
       };
 
@@ -201,19 +199,24 @@ module ti_list #(
     end
   end
 
-  ti_cache_counters u_cache_counters (
-    .clk_i,
-    .rst_ni,
-    .event_access_i(event_access),
-    .event_hit_i   (event_hit),
-    .event_merged_i(event_merged),
-    .event_miss_i  (event_miss),
-    .counters_o    (counters_o.cache)
-  );
-
+  // What happens, for counting.
+  logic [SlotWidth:0] inside_q;  // leaves
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) counters_o.ids <= '0;
-    else if (step) counters_o.ids <= counters_o.ids + 1'b1;
+    if (!rst_ni) inside_q <= '0;
+    else if (take != done) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
+  end
+  assign idle_o = inside_q == '0 && ra_idle;
+
+  always_comb begin
+    events_o.activity = '0;
+    if (step) events_o.activity.works = 1'b1;
+    else if (answer_valid_q && !answer_taken) events_o.activity.room = 1'b1;
+    else if (ra_waits) events_o.activity.memory = 1'b1;
+    else if (inside_q != '0) events_o.activity.latency = 1'b1;
+    else events_o.activity.empty = 1'b1;
+
+    events_o.ids   = step;
+    events_o.cache = cache_events;
   end
 
   `TI_ASSERT(LeafHasTriangles, leaf_valid_i |-> leaf_data_i.count != '0)

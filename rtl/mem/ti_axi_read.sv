@@ -4,70 +4,166 @@
 
 /// Line requests to an AXI4 read port: one burst of one beat a line, the data bus as wide as a line.
 ///
-/// ARID is the identity of the request, and no two requests in flight share it, so answers may come
-/// in any order.  Requests pass combinationally; answers are registered (1 cycle) and always taken
-/// (`m_axi_rready` is 1).  SLVERR, DECERR and a beat without RLAST come back as an error.
+/// At most `MaxReads` reads are outstanding.  ARID is the number of a free entry of the table that keeps the
+/// identities of the requests, so answers may come in any order.  Outputs come from registers: 2 cycles for a
+/// request, 1 for an answer; one a cycle each way.  SLVERR, DECERR and a beat without RLAST come back as an
+/// error.  A beat under an id that is not outstanding is dropped and reported by the event `strays`: so beats that
+/// a reset leaves behind do no harm while they come before their id is used again.  A reset in the middle of
+/// traffic must therefore either reset the interconnect as well, as AXI4 asks, or be followed by no ray until the
+/// reads in flight have been answered.
+///
+/// ARCACHE is normal, non-cacheable, bufferable; ARPROT is unprivileged, secure data; no locks, no QoS.
 module ti_axi_read #(
-  parameter int unsigned IdWidth = 4,
-  parameter int unsigned AddrWidth = 32,
-  parameter int unsigned LineBytes = 64,
-  localparam int unsigned LineAddrWidth = AddrWidth - $clog2(LineBytes)
+  /// What a request is known by.
+  parameter type id_t = logic,
+  /// Reads in flight, 1 to 1024.
+  parameter int unsigned MaxReads = 16,
+  localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
+  localparam int unsigned AxiIdWidth = (MaxReads > 1) ? $clog2(MaxReads) : 1
 ) (
   input logic clk_i,
   input logic rst_ni,
 
-  input  logic                     req_valid_i,
-  output logic                     req_ready_o,
-  input  logic [      IdWidth-1:0] req_id_i,
-  input  logic [LineAddrWidth-1:0] req_line_i,
+  input  logic                   req_valid_i,
+  output logic                   req_ready_o,
+  input  id_t                    req_id_i,
+  input  ti_mem_pkg::line_addr_t req_line_i,
 
-  output logic                   rsp_valid_o,
-  output logic [    IdWidth-1:0] rsp_id_o,
-  output logic [8*LineBytes-1:0] rsp_data_o,
-  output logic                   rsp_error_o,
+  output logic              rsp_valid_o,
+  input  logic              rsp_ready_i,
+  output id_t               rsp_id_o,
+  output ti_mem_pkg::line_t rsp_data_o,
+  output logic              rsp_error_o,
 
-  output logic                   m_axi_arvalid,
-  input  logic                   m_axi_arready,
-  output logic [    IdWidth-1:0] m_axi_arid,
-  output logic [  AddrWidth-1:0] m_axi_araddr,
-  output logic [            7:0] m_axi_arlen,
-  output logic [            2:0] m_axi_arsize,
-  output logic [            1:0] m_axi_arburst,
-  input  logic                   m_axi_rvalid,
-  output logic                   m_axi_rready,
-  input  logic [    IdWidth-1:0] m_axi_rid,
-  input  logic [8*LineBytes-1:0] m_axi_rdata,
-  input  logic [            1:0] m_axi_rresp,
-  input  logic                   m_axi_rlast
+  output logic                               m_axi_arvalid,
+  input  logic                               m_axi_arready,
+  output logic              [AxiIdWidth-1:0] m_axi_arid,
+  output ti_mem_pkg::addr_t                  m_axi_araddr,
+  output logic              [           7:0] m_axi_arlen,
+  output logic              [           2:0] m_axi_arsize,
+  output logic              [           1:0] m_axi_arburst,
+  output logic                               m_axi_arlock,
+  output logic              [           3:0] m_axi_arcache,
+  output logic              [           2:0] m_axi_arprot,
+  output logic              [           3:0] m_axi_arqos,
+  input  logic                               m_axi_rvalid,
+  output logic                               m_axi_rready,
+  input  logic              [AxiIdWidth-1:0] m_axi_rid,
+  input  ti_mem_pkg::line_t                  m_axi_rdata,
+  input  logic              [           1:0] m_axi_rresp,
+  input  logic                               m_axi_rlast,
+
+  output ti_count_pkg::axi_events_t events_o
 );
 
-  assign m_axi_arvalid = req_valid_i;
-  assign req_ready_o   = m_axi_arready;
-  assign m_axi_arid    = req_id_i;
-  assign m_axi_araddr  = {req_line_i, {$clog2(LineBytes) {1'b0}}};
+  localparam int unsigned NumEntries = 1 << AxiIdWidth;
+  typedef logic [AxiIdWidth-1:0] axi_id_t;
+
+  typedef struct packed {
+    axi_id_t                id;
+    ti_mem_pkg::line_addr_t line;
+  } ar_t;
+
+  // The table of reads in flight.
+  logic free_valid, ar_room, take, beat, known;
+  axi_id_t free_id;
+  logic [NumEntries-1:0] outstanding_q;
+  id_t id_q[NumEntries];
+
+  ti_slot_pool #(
+    .NumSlots(NumEntries)
+  ) u_pool (
+    .clk_i,
+    .rst_ni,
+    .free_valid_o(free_valid),
+    .free_slot_o (free_id),
+    .take_i      (take),
+    .give_i      (beat && known),
+    .give_slot_i (m_axi_rid)
+  );
+
+  assign req_ready_o = free_valid && ar_room;
+  assign take        = req_valid_i && req_ready_o;
+  assign beat        = m_axi_rvalid && m_axi_rready;
+  assign known       = outstanding_q[m_axi_rid];
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      outstanding_q <= '0;
+    end else begin
+      if (beat) outstanding_q[m_axi_rid] <= 1'b0;
+      if (take) outstanding_q[free_id] <= 1'b1;
+    end
+  end
+  always_ff @(posedge clk_i) if (take) id_q[free_id] <= req_id_i;
+
+  // AR.
+  ar_t ar;
+  ti_fifo #(
+    .payload_t(ar_t),
+    .Depth    (2)
+  ) u_ar (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i (req_valid_i && free_valid),
+    .in_ready_o (ar_room),
+    .in_data_i  ('{id: free_id, line: req_line_i}),
+    .out_valid_o(m_axi_arvalid),
+    .out_ready_i(m_axi_arready),
+    .out_data_o (ar)
+  );
+
+  assign m_axi_arid    = ar.id;
+  assign m_axi_araddr  = {ar.line, {$clog2(LineBytes) {1'b0}}};
   assign m_axi_arlen   = 8'd0;
   assign m_axi_arsize  = 3'($clog2(LineBytes));
   assign m_axi_arburst = 2'b01;
-  assign m_axi_rready  = 1'b1;
+  assign m_axi_arlock  = 1'b0;
+  assign m_axi_arcache = 4'b0011;
+  assign m_axi_arprot  = 3'b000;
+  assign m_axi_arqos   = 4'b0000;
+
+  // R.
+  assign m_axi_rready = !rsp_valid_o || rsp_ready_i;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) rsp_valid_o <= 1'b0;
-    else rsp_valid_o <= m_axi_rvalid;
+    else if (m_axi_rready) rsp_valid_o <= m_axi_rvalid && known;
   end
 
   always_ff @(posedge clk_i) begin
-    if (m_axi_rvalid) begin
-      rsp_id_o    <= m_axi_rid;
+    if (beat && known) begin
+      rsp_id_o    <= id_q[m_axi_rid];
       rsp_data_o  <= m_axi_rdata;
       rsp_error_o <= m_axi_rresp[1] || !m_axi_rlast;
+    end
+  end
+
+  assign events_o.lines  = take;
+  assign events_o.errors = beat && known && (m_axi_rresp[1] || !m_axi_rlast);
+  assign events_o.strays = beat && !known;
+  always_comb begin
+    events_o.activity       = '0;
+    events_o.activity.works = take;
+    if (!take) begin
+      if (req_valid_i) events_o.activity.room = 1'b1;
+      else if (outstanding_q != '0) events_o.activity.memory = 1'b1;
+      else events_o.activity.empty = 1'b1;
     end
   end
 
   if (LineBytes < 8 || LineBytes > 128) begin : gen_check_line_bytes
     $error("ti_axi_read: LineBytes must be 8 to 128, the widths of an AXI4 data bus");
   end
+  if (MaxReads < 2 || MaxReads > 1024 || MaxReads != NumEntries) begin : gen_check_max_reads
+    $error("ti_axi_read: MaxReads must be a power of two from 2 to 1024");
+  end
 
-  `TI_ASSERT(ArHeldUntilTaken, m_axi_arvalid && !m_axi_arready |=> m_axi_arvalid && $stable
-                               ({m_axi_arid, m_axi_araddr}))
+  `TI_ASSERT(ArHeldUntilTaken,
+             m_axi_arvalid && !m_axi_arready |=> m_axi_arvalid && $stable({m_axi_arid, m_axi_araddr}))
+  `TI_ASSERT(RspHeldUntilTaken, rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable
+                                ({rsp_id_o, rsp_data_o, rsp_error_o}))
+  `TI_COVER(TableFull, req_valid_i && !free_valid)
+  `TI_COVER(StrayBeat, beat && !known)
 
 endmodule : ti_axi_read

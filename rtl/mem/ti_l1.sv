@@ -11,6 +11,7 @@
 /// `alloc_i` reserves the victim's place for `line_i`: its old line is forgotten and the place is
 /// pinned.  `fill_i` writes an arrived line into a reserved place; `unpin_i` lets it be a victim again.
 /// Victims: an empty way, else the tree pseudo-LRU way, else the first that is not pinned.
+/// `flush_i` forgets all lines in one cycle; nothing may be pinned or looked up then.
 /// Tags and lines map to block RAM; valid, pinned and LRU bits are registers, as many are read and
 /// cleared at once.
 module ti_l1 #(
@@ -24,9 +25,10 @@ module ti_l1 #(
 ) (
   input logic clk_i,
   input logic rst_ni,
+  input logic flush_i,
 
-  input logic                     lookup_en_i,
-  input logic [LineAddrWidth-1:0] lookup_line_i,
+  input logic                lookup_en_i,
+  input logic [SetWidth-1:0] lookup_set_i,
 
   input  logic [LineAddrWidth-1:0] line_i,
   output logic                     hit_o,
@@ -60,7 +62,7 @@ module ti_l1 #(
   typedef logic [TagWidth-1:0] tag_t;
   typedef tag_t [Ways-1:0] tag_row_t;
 
-  logic [SetWidth-1:0] lookup_set, set;
+  logic [SetWidth-1:0] set;
   tag_t tag;
   tag_row_t tags_ram, tags, tags_new, tags_new_q;
   logic bypass_q;
@@ -69,13 +71,8 @@ module ti_l1 #(
   logic [TreeNodes-1:0] tree_q[Sets];
   logic [Ways-1:0] match;
 
-  function automatic logic [SetWidth-1:0] set_of(input logic [LineAddrWidth-1:0] line);
-    return (Sets > 1) ? line[SetWidth-1:0] : '0;
-  endfunction
-
-  assign lookup_set = set_of(lookup_line_i);
-  assign set        = set_of(line_i);
-  assign tag        = tag_t'(line_i >> SetBits);
+  assign set = (Sets > 1) ? line_i[SetWidth-1:0] : '0;
+  assign tag = tag_t'(line_i >> SetBits);
 
   ti_ram_1r1w #(
     .Depth ((Sets > 1) ? Sets : 2),
@@ -83,7 +80,7 @@ module ti_l1 #(
   ) u_tags (
     .clk_i,
     .read_en_i   (lookup_en_i),
-    .read_addr_i (lookup_set),
+    .read_addr_i (lookup_set_i),
     .read_data_o (tags_ram),
     .write_en_i  (alloc_i),
     .write_addr_i(set),
@@ -100,7 +97,7 @@ module ti_l1 #(
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) bypass_q <= 1'b0;
-    else if (lookup_en_i) bypass_q <= alloc_i && lookup_set == set;
+    else if (lookup_en_i) bypass_q <= alloc_i && lookup_set_i == set;
   end
 
   always_ff @(posedge clk_i) begin
@@ -115,34 +112,34 @@ module ti_l1 #(
     for (int unsigned w = 0; w < Ways; w++) if (match[w]) hit_way_o = WayWidth'(w);
   end
 
-  // Tree pseudo-LRU: each node points to the half used longer ago.
-  function automatic logic [WayWidth-1:0] tree_victim(input logic [TreeNodes-1:0] tree);
-    int unsigned node;
-    tree_victim = '0;
-    node = 0;
-    for (int level = 0; level < Levels; level++) begin
-      tree_victim = WayWidth'({tree_victim, tree[node]});
-      node = 2 * node + 1 + int'(tree[node]);
-    end
-  endfunction
+  // Tree pseudo-LRU: each node points to the half used longer ago.  The victim is at the end of the pointers; the
+  // nodes on the way to a way that is used point away from it afterwards.
+  logic [TreeNodes-1:0] tree, tree_after;
+  logic [WayWidth-1:0] lru_way, used_way;
+  int unsigned victim_node, used_node;
+  assign tree     = tree_q[set];
+  assign used_way = alloc_i ? victim_way_o : hit_way_o;
 
-  function automatic logic [TreeNodes-1:0] tree_after(input logic [TreeNodes-1:0] tree,
-                                                      input logic [WayWidth-1:0] way);
-    int unsigned node;
-    logic side;
-    tree_after = tree;
-    node = 0;
+  always_comb begin
+    lru_way     = '0;
+    victim_node = 0;
     for (int level = 0; level < Levels; level++) begin
-      side = way[Levels-1-level];
-      tree_after[node] = !side;
-      node = 2 * node + 1 + int'(side);
+      lru_way = WayWidth'({lru_way, tree[victim_node]});
+      victim_node = 2 * victim_node + 1 + 32'(tree[victim_node]);
     end
-  endfunction
+  end
+
+  always_comb begin
+    tree_after = tree;
+    used_node  = 0;
+    for (int level = 0; level < Levels; level++) begin
+      tree_after[used_node] = !used_way[Levels-1-level];
+      used_node = 2 * used_node + 1 + 32'(used_way[Levels-1-level]);
+    end
+  end
 
   logic [Ways-1:0] allowed;
-  logic [WayWidth-1:0] lru_way;
   assign allowed        = ~pinned_q[set];
-  assign lru_way        = tree_victim(tree_q[set]);
   assign victim_valid_o = |allowed;
 
   always_comb begin
@@ -169,10 +166,17 @@ module ti_l1 #(
       end
       if (fill_i) valid_q[fill_set_i][fill_way_i] <= fill_good_i;
       if (unpin_i) pinned_q[unpin_set_i][unpin_way_i] <= 1'b0;
-      if (touch_i) tree_q[set] <= tree_after(tree_q[set], hit_way_o);
-      if (alloc_i) tree_q[set] <= tree_after(tree_q[set], victim_way_o);
+      if (touch_i || alloc_i) tree_q[set] <= tree_after;
+      if (flush_i) begin
+        for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
+      end
     end
   end
+
+  localparam int unsigned PlaceWidth = (Sets * Ways > 1) ? $clog2(Sets * Ways) : 1;
+  logic [PlaceWidth-1:0] read_place, fill_place;
+  assign read_place = PlaceWidth'(read_set_i) * PlaceWidth'(Ways) + PlaceWidth'(read_way_i);
+  assign fill_place = PlaceWidth'(fill_set_i) * PlaceWidth'(Ways) + PlaceWidth'(fill_way_i);
 
   ti_ram_1r1w #(
     .Depth ((Sets * Ways > 1) ? Sets * Ways : 2),
@@ -180,18 +184,12 @@ module ti_l1 #(
   ) u_lines (
     .clk_i,
     .read_en_i,
-    .read_addr_i (place(read_set_i, read_way_i)),
+    .read_addr_i (read_place),
     .read_data_o (line_o),
     .write_en_i  (fill_i),
-    .write_addr_i(place(fill_set_i, fill_way_i)),
+    .write_addr_i(fill_place),
     .write_data_i(fill_data_i)
   );
-
-  localparam int unsigned PlaceWidth = (Sets * Ways > 1) ? $clog2(Sets * Ways) : 1;
-  function automatic logic [PlaceWidth-1:0] place(input logic [SetWidth-1:0] s,
-                                                  input logic [WayWidth-1:0] w);
-    return PlaceWidth'(s) * PlaceWidth'(Ways) + PlaceWidth'(w);
-  endfunction
 
   if (Ways < 1 || (Ways & (Ways - 1)) != 0) begin : gen_check_ways
     $error("ti_l1: Ways must be a power of two");
@@ -205,5 +203,6 @@ module ti_l1 #(
   `TI_ASSERT(FillsReserved, fill_i |-> pinned_q[fill_set_i][fill_way_i])
   `TI_ASSERT(UnpinsPinned, unpin_i |-> pinned_q[unpin_set_i][unpin_way_i])
   `TI_ASSERT(AllocatesFree, alloc_i |-> victim_valid_o)
+  `TI_ASSERT(UsesOneWayAtATime, !(touch_i && alloc_i))
 
 endmodule : ti_l1

@@ -10,30 +10,31 @@
 /// by the line it waited for, whatever happens to the cache meanwhile.
 ///
 /// Latency 2 cycles on a hit, one answer a cycle.  `rsp` stalls the unit as a whole.  The caller has at
-/// most one request in flight for a slot.  `line_rsp` is always accepted.  A line answered with an error
-/// is not kept; its rays get `rsp_error_o`, their element is undefined.
+/// most one request in flight for a slot.  `line_rsp` is always accepted; an answer to nothing that was asked
+/// for is dropped.  A line answered with an error is not kept; its rays get `rsp_error_o`, their element is
+/// undefined.  `flush_i` forgets all lines and is up only while `idle_o` is and no request comes.
 module ti_ra #(
   /// Requesters; each has at most one request in flight.
   parameter int unsigned NumSlots = 8,
   /// Lines on their way or handing out.
   parameter int unsigned Rows = 2,
-  parameter int unsigned AddrWidth = 32,
-  parameter int unsigned LineBytes = 64,
   /// Bytes of an answer: the aligned element that holds the address; a power of two up to LineBytes.
   parameter int unsigned ElemBytes = 8,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
-  localparam int unsigned SlotWidth = $clog2(NumSlots),
-  localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1,
-  localparam int unsigned LineAddrWidth = AddrWidth - $clog2(LineBytes)
+  localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
+  localparam int unsigned SlotWidth = $clog2(NumSlots)
 ) (
-  input logic clk_i,
-  input logic rst_ni,
+  input  logic clk_i,
+  input  logic rst_ni,
+  input  logic flush_i,
+  output logic idle_o,     // no request inside, no line on its way
+  output logic waits_o,    // a line is on its way
 
-  input  logic                 req_valid_i,
-  output logic                 req_ready_o,
-  input  logic [SlotWidth-1:0] req_slot_i,
-  input  logic [AddrWidth-1:0] req_addr_i,
+  input  logic                              req_valid_i,
+  output logic                              req_ready_o,
+  input  logic              [SlotWidth-1:0] req_slot_i,
+  input  ti_mem_pkg::addr_t                 req_addr_i,
 
   output logic                   rsp_valid_o,
   input  logic                   rsp_ready_i,
@@ -41,22 +42,19 @@ module ti_ra #(
   output logic [8*ElemBytes-1:0] rsp_elem_o,
   output logic                   rsp_error_o,
 
-  output logic                     line_req_valid_o,
-  input  logic                     line_req_ready_i,
-  output logic [     RowWidth-1:0] line_req_row_o,
-  output logic [LineAddrWidth-1:0] line_req_line_o,
+  output logic                  line_req_valid_o,
+  input  logic                  line_req_ready_i,
+  output ti_mem_pkg::line_req_t line_req_data_o,
 
-  input logic                   line_rsp_valid_i,
-  input logic [   RowWidth-1:0] line_rsp_row_i,
-  input logic [8*LineBytes-1:0] line_rsp_data_i,
-  input logic                   line_rsp_error_i,
+  input  logic                  line_rsp_valid_i,
+  output logic                  line_rsp_ready_o,
+  input  ti_mem_pkg::line_rsp_t line_rsp_data_i,
 
-  output logic event_access_o,  // a request has been decided: one of the three below
-  output logic event_hit_o,
-  output logic event_merged_o,
-  output logic event_miss_o
+  output ti_count_pkg::cache_events_t events_o
 );
 
+  localparam int unsigned LineAddrWidth = ti_mem_pkg::LineAddrWidth;
+  localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1;
   localparam int unsigned Elems = LineBytes / ElemBytes;
   localparam int unsigned ElemWidth = (Elems > 1) ? $clog2(Elems) : 1;
   localparam int unsigned Sets = CacheBytes / (Ways * LineBytes);
@@ -66,11 +64,7 @@ module ti_ra #(
   typedef logic [SlotWidth-1:0] slot_t;
   typedef logic [RowWidth-1:0] row_t;
   typedef logic [ElemWidth-1:0] elem_t;
-  typedef logic [LineAddrWidth-1:0] line_addr_t;
-  typedef struct packed {
-    row_t       row;
-    line_addr_t line;
-  } line_req_t;
+  typedef ti_mem_pkg::line_addr_t line_addr_t;
 
   // Step 1: the request whose tags have been read.
   logic s1_valid_q, s1_done;
@@ -111,10 +105,16 @@ module ti_ra #(
   slot_t drain_slot;
   logic [Rows-1:0] row_match;
 
-  function automatic elem_t elem_of(input logic [AddrWidth-1:0] addr);
-    return (Elems > 1) ? elem_t'(addr[$clog2(LineBytes)-1:0] >> $clog2(ElemBytes)) : '0;
-  endfunction
+  // An answer counts where its row waits for one.
+  logic fill, row_exists;
+  row_t fill_row;
+  assign row_exists       = 32'(line_rsp_data_i.id) < Rows;
+  assign fill_row         = line_rsp_data_i.id[RowWidth-1:0];
+  assign fill             = line_rsp_valid_i && row_exists && row_busy_q[fill_row] && !row_filled_q[fill_row];
+  assign line_rsp_ready_o = 1'b1;
 
+  line_addr_t req_line;
+  assign req_line    = req_addr_i[ti_mem_pkg::AddrWidth-1:$clog2(LineBytes)];
   assign req_ready_o = !s1_valid_q || s1_done;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -125,8 +125,8 @@ module ti_ra #(
   always_ff @(posedge clk_i) begin
     if (req_valid_i && req_ready_o) begin
       s1_slot_q <= req_slot_i;
-      s1_line_q <= req_addr_i[AddrWidth-1:$clog2(LineBytes)];
-      s1_elem_q <= elem_of(req_addr_i);
+      s1_line_q <= req_line;
+      s1_elem_q <= (Elems > 1) ? elem_t'(req_addr_i[$clog2(LineBytes)-1:0] >> $clog2(ElemBytes)) : '0;
     end
   end
 
@@ -151,8 +151,8 @@ module ti_ra #(
   ) u_filled (
     .clk_i,
     .rst_ni,
-    .push_i     (line_rsp_valid_i),
-    .push_data_i(line_rsp_row_i),
+    .push_i     (fill),
+    .push_data_i(fill_row),
     .out_valid_o(filled),
     .out_ready_i(drain_last),
     .out_data_o (drain_row)
@@ -172,10 +172,13 @@ module ti_ra #(
   assign use_miss       = s1_valid_q && !merge && !hit && may_ask;
   assign s1_done        = use_merge || use_hit || use_miss;
 
-  assign event_access_o = s1_done;
-  assign event_hit_o    = use_hit;
-  assign event_merged_o = use_merge;
-  assign event_miss_o   = use_miss;
+  assign events_o.l1_accesses = s1_done;
+  assign events_o.l1_hits     = use_hit;
+  assign events_o.l1_merged   = use_merge;
+  assign events_o.l1_misses   = use_miss;
+
+  assign idle_o  = !s1_valid_q && !s2_valid_q && row_busy_q == '0;
+  assign waits_o = (row_busy_q & ~row_filled_q) != '0;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -183,7 +186,7 @@ module ti_ra #(
       row_filled_q <= '0;
     end else begin
       if (use_miss) row_busy_q[free_row] <= 1'b1;
-      if (line_rsp_valid_i) row_filled_q[line_rsp_row_i] <= 1'b1;
+      if (fill) row_filled_q[fill_row] <= 1'b1;
       if (drain_last) begin
         row_busy_q[drain_row]   <= 1'b0;
         row_filled_q[drain_row] <= 1'b0;
@@ -192,7 +195,7 @@ module ti_ra #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (line_rsp_valid_i) row_error_q[line_rsp_row_i] <= line_rsp_error_i;
+    if (fill) row_error_q[fill_row] <= line_rsp_data_i.error;
     if (use_miss) begin
       row_line_q[free_row] <= s1_line_q;
       row_way_q[free_row]  <= victim_way;
@@ -217,8 +220,9 @@ module ti_ra #(
   ) u_l1 (
     .clk_i,
     .rst_ni,
+    .flush_i,
     .lookup_en_i   (req_valid_i && req_ready_o),
-    .lookup_line_i (req_addr_i[AddrWidth-1:$clog2(LineBytes)]),
+    .lookup_set_i  ((Sets > 1) ? req_line[SetWidth-1:0] : '0),
     .line_i        (s1_line_q),
     .hit_o         (hit),
     .hit_way_o     (hit_way),
@@ -226,11 +230,11 @@ module ti_ra #(
     .victim_way_o  (victim_way),
     .touch_i       (use_hit),
     .alloc_i       (use_miss),
-    .fill_i        (line_rsp_valid_i),
-    .fill_good_i   (!line_rsp_error_i),
-    .fill_set_i    (row_set[line_rsp_row_i]),
-    .fill_way_i    (row_way_q[line_rsp_row_i]),
-    .fill_data_i   (line_rsp_data_i),
+    .fill_i        (fill),
+    .fill_good_i   (!line_rsp_data_i.error),
+    .fill_set_i    (row_set[fill_row]),
+    .fill_way_i    (row_way_q[fill_row]),
+    .fill_data_i   (line_rsp_data_i.data),
     .unpin_i       (drain_last),
     .unpin_set_i   (row_set[drain_row]),
     .unpin_way_i   (row_way_q[drain_row]),
@@ -263,28 +267,25 @@ module ti_ra #(
   assign rsp_elem_o  = read_line[(32'(s2_elem_q)*ElemBytes*8)+:ElemBytes*8];
 
   // Line requests wait here for the port; a row asks once, so Rows places are enough.
-  line_req_t line_req;
   ti_fifo #(
-    .payload_t(line_req_t),
+    .payload_t(ti_mem_pkg::line_req_t),
     .Depth    (Rows)
   ) u_line_requests (
     .clk_i,
     .rst_ni,
     .in_valid_i (use_miss),
     .in_ready_o (line_queue_ready),
-    .in_data_i  ('{row: free_row, line: s1_line_q}),
+    .in_data_i  ('{id: ti_mem_pkg::row_id_t'(free_row), line: s1_line_q}),
     .out_valid_o(line_req_valid_o),
     .out_ready_i(line_req_ready_i),
-    .out_data_o (line_req)
+    .out_data_o (line_req_data_o)
   );
-  assign line_req_row_o  = line_req.row;
-  assign line_req_line_o = line_req.line;
 
   if (NumSlots < 2) begin : gen_check_num_slots
     $error("ti_ra: NumSlots must be 2 or more");
   end
-  if (Rows < 1) begin : gen_check_rows
-    $error("ti_ra: Rows must be 1 or more");
+  if (Rows < 1 || Rows > ti_mem_pkg::MaxRows) begin : gen_check_rows
+    $error("ti_ra: Rows must be 1 to ti_mem_pkg::MaxRows");
   end
   if (Elems * ElemBytes != LineBytes || (Elems & (Elems - 1)) != 0) begin : gen_check_elem_bytes
     $error("ti_ra: ElemBytes must divide LineBytes into a power of two");
@@ -293,8 +294,8 @@ module ti_ra #(
   `TI_ASSERT(OutHeldUntilTaken, rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable
                                 ({rsp_slot_o, rsp_elem_o, rsp_error_o}))
   `TI_ASSERT(OneRowALine, $onehot0(row_match))
-  `TI_ASSERT(AnswersBusyRows,
-             line_rsp_valid_i |-> row_busy_q[line_rsp_row_i] && !row_filled_q[line_rsp_row_i])
-  `TI_COVER(JoinsARowAsItFills, use_merge && line_rsp_valid_i && line_rsp_row_i == merge_row)
+  `TI_ASSERT(FlushedOnlyIdle, flush_i |-> idle_o && !req_valid_i)
+  `TI_COVER(StrayAnswer, line_rsp_valid_i && !fill)
+  `TI_COVER(JoinsARowAsItFills, use_merge && fill && fill_row == merge_row)
 
 endmodule : ti_ra

@@ -22,6 +22,14 @@ struct CacheCounters {
   std::uint64_t accesses = 0, hits = 0, merged = 0, misses = 0;
 };
 
+/// What the units of one kind did: cycles by activity, summed over units and cores. The activities of a
+/// unit add up to the cycles.
+struct UnitAccount {
+  std::string unit;
+  std::uint64_t unit_cycles = 0;  ///< cycles times units
+  std::vector<std::pair<std::string, std::uint64_t>> activities;
+};
+
 /// What only the RTL can tell.
 struct RtlCounters {
   std::uint64_t cycles = 0;
@@ -30,6 +38,7 @@ struct RtlCounters {
   double trv_busy = 0.0, list_busy = 0.0, ist1_busy = 0.0,
          ist2_busy = 0.0;  ///< share of the cycles, mean over units
   std::vector<CacheCounters> caches;
+  std::vector<UnitAccount> accounts;  ///< in the order of the pipeline; empty without counters
 };
 
 /// Comparison with the model, ray by ray.
@@ -51,7 +60,7 @@ struct EngineResult {
 /// Settings of the simulated machine's surroundings.
 struct RtlOptions {
   int memory_latency = 100;  ///< cycles from a request to its answer
-  double memory_bytes_per_cycle = 64.0;
+  double memory_bytes_per_cycle = 64.0;  ///< of all cores together
   std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port
   double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
   std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Packed structs of `ti_pkg` as Python dicts; the table of fields is `rtl/common/ti_pkg.sv` itself.
+"""Packed structs of the packages of `rtl/` as Python dicts; the table of fields is the packages themselves.
 
 A dict holds an integer for a field of bits, a tuple ([0] first) for a packed array, a dict for a
 struct.  Fields that `pack` is not given are 0.
@@ -11,11 +11,12 @@ from functools import cache
 from pathlib import Path
 
 import cocotb
+import counters
 
-PACKAGE = Path(__file__).resolve().parents[2] / "rtl/common/ti_pkg.sv"
+RTL = Path(__file__).resolve().parents[2] / "rtl"
 TYPEDEF = re.compile(
     r"typedef\s+(?:struct\s+packed\s*\{(?P<fields>.*?)\}|enum\s+logic\s*(?P<enum>\[.*?\])\s*\{.*?\}"
-    r"|(?P<base>\w+)\s*(?P<range>\[.*?\])?)\s*(?P<name>\w+)\s*;",
+    r"|(?P<base>[\w:]+)\s*(?P<range>\[.*?\])?)\s*(?P<name>\w+)\s*;",
     re.DOTALL,
 )
 CONSTANT = re.compile(r"localparam\s+(?:int unsigned|\w+)\s+(\w+)\s*=\s*(.*?);", re.DOTALL)
@@ -27,10 +28,12 @@ def clog2(value):
 
 
 class Payloads:
-    """The structs of `ti_pkg` for one configuration, a dict of the keys in `configs/`."""
+    """The structs of all packages for one configuration, a dict of the keys in `configs/`."""
 
     def __init__(self, config):
-        text = re.sub(r"//[^\n]*", "", PACKAGE.read_text())
+        sources = (RTL.parent / line for line in (RTL / "ti.f").read_text().splitlines())
+        text = "".join(path.read_text() for path in sources if path.stem.endswith("_pkg"))
+        text = re.sub(r"//[^\n]*", "", text + counters.package(config))
         self._constants = {_camel(key): value for key, value in config.items()}
         for name, expression in CONSTANT.findall(text):
             if re.fullmatch(r"[\w\s:$()>?*+-]+", expression):
@@ -62,13 +65,13 @@ class Payloads:
 
     def _type_of(self, match):
         if match["fields"] is None:
-            base = self._types[match["base"]] if match["base"] else 1
+            base = self._types[_plain(match["base"])] if match["base"] else 1
             return self._array(base, match["enum"] or match["range"])
         fields = {}
         for line in match["fields"].split(";"):
             if line.strip():
                 base, extent, name = FIELD.match(line).groups()
-                fields[name] = self._array(self._types[base], extent)
+                fields[name] = self._array(self._types[_plain(base)], extent)
         return fields
 
     def _array(self, base, extent):
@@ -80,8 +83,8 @@ class Payloads:
         return count if base == 1 else (count, base)
 
     def _evaluate(self, expression):
-        text = expression.replace("ti_config_pkg::", "").replace("$clog2", "clog2")
-        text = re.sub(r"(.+?)\?(.+?):(.+)", r"(\2) if (\1) else (\3)", text, flags=re.DOTALL)
+        text = re.sub(r"\w+::", "", expression).replace("$clog2", "clog2")
+        text = _ternary(" ".join(text.split()))
         return eval(text, {"clog2": clog2}, self._constants)  # text of the package only
 
 
@@ -103,6 +106,30 @@ def parameter(name, otherwise=0):
     """A parameter of the unit in this simulation; `otherwise` where pytest only collects."""
     top = getattr(cocotb, "top", None)
     return otherwise if top is None else int(getattr(top, name).value)
+
+
+def _ternary(text):
+    """`a ? b : c` of SystemVerilog, nested at will, as Python has it."""
+    depth, question, colon, open_questions = 0, None, None, 0
+    for at, char in enumerate(text):
+        depth += (char == "(") - (char == ")")
+        if depth == 0 and char == "?":
+            question = at if question is None else question
+            open_questions += 1
+        elif depth == 0 and char == ":":
+            open_questions -= 1
+            if open_questions == 0:
+                colon = at
+                break
+    if question is not None:
+        condition, yes, no = text[:question], text[question + 1 : colon], text[colon + 1 :]
+        return f"({_ternary(yes)}) if ({_ternary(condition)}) else ({_ternary(no)})"
+    return re.sub(r"\((.*)\)", lambda inner: f"({_ternary(inner[1])})", text, count=1)
+
+
+def _plain(name):
+    """A type's name without its package; names are unique among the packages."""
+    return name.rsplit("::", 1)[-1]
 
 
 def _camel(key):

@@ -6,15 +6,15 @@
 ///
 /// One ray in three cycles (one reciprocal serves the three axes).  Rays keep their order.  Credits bound
 /// the rays inside to `Depth`, so the set-up never stalls.  `DealTile` rays in a row go to the same home while it
-/// has room, so that rays that lie together share an L1; then the next home with room.
+/// has room, so that rays that lie together share an L1; then, and when that home is full, to the next with room.
+/// Rays that miss the scene box do not count.
 module ti_rd #(
   parameter int unsigned NumTrv = 1,
   parameter int unsigned DealTile = 16,
   localparam int unsigned AcceptLatency = 1,
   localparam int unsigned AxisCycles = 3,
-  localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
-      ti_pkg::FracBits
-  ) + ti_fp_pkg::MulLatency + 2,
+  localparam int unsigned ClipLatency =
+      ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits) + ti_fp_pkg::MulLatency + 2,
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned Latency = AcceptLatency + AxisCycles - 1 + ClipLatency + QueueLatency
 ) (
@@ -30,11 +30,13 @@ module ti_rd #(
   // To a home only while it is ready: a home that has room keeps it until it is dealt a ray.
   output logic              [NumTrv-1:0] dispatch_valid_o,
   input  logic              [NumTrv-1:0] dispatch_ready_i,
-  output ti_pkg::dispatch_t              dispatch_data_o,
+  output ti_traverse_pkg::dispatch_t              dispatch_data_o,
 
   output logic         hit_valid_o,  // rays that miss the scene box or are invalid
   input  logic         hit_ready_i,
-  output ti_pkg::hit_t hit_data_o
+  output ti_pkg::hit_t hit_data_o,
+
+  output ti_count_pkg::rd_events_t events_o  // `room` where an output waits
 );
 
   localparam int unsigned Depth = 16;
@@ -123,12 +125,22 @@ module ti_rd #(
   localparam int unsigned HomeWidth = (NumTrv > 1) ? $clog2(NumTrv) : 1;
   logic [HomeWidth-1:0] home_q, next_home;
   logic [TileWidth-1:0] dealt_q;
-  logic next_any, home_ready, deal, dealt_tile;
+  logic next_any, home_ready, enters, deal, dealt_tile;
 
   assign home_ready      = dispatch_ready_i[home_q];
-  assign deal            = clipped_valid && !clipped.miss && home_ready;
+  assign enters          = clipped_valid && !clipped.miss;
+  assign deal            = enters && home_ready;
   assign dealt_tile      = deal && dealt_q == TileWidth'(DealTile - 1);
-  assign dispatch_data_o = '{ray: ray, inv: clipped.inv, tmin: clipped.tmin, tmax: clipped.tmax};
+  assign dispatch_data_o = '{
+          ray_id: ray.ray_id,
+          any_hit: ray.any_hit,
+          operands: '{o: ray.o, d: ray.d},
+          ray_tmin: ray.tmin,
+          ray_tmax: ray.tmax,
+          inv: clipped.inv,
+          tmin: clipped.tmin,
+          tmax: clipped.tmax
+      };
   always_comb begin
     dispatch_valid_o         = '0;
     dispatch_valid_o[home_q] = deal;
@@ -147,7 +159,7 @@ module ti_rd #(
     if (!rst_ni) begin
       home_q  <= '0;
       dealt_q <= '0;
-    end else if (dealt_tile || (clipped_valid && !home_ready)) begin
+    end else if (dealt_tile || (enters && !home_ready)) begin
       if (next_any) home_q <= next_home;
       dealt_q <= '0;
     end else if (deal) begin
@@ -162,9 +174,19 @@ module ti_rd #(
     hit_data_o.ray_id = ray.ray_id;
     hit_data_o.status = clipped.status;
     hit_data_o.prim   = ti_pkg::NoPrim;
-    hit_data_o.t      = ti_pkg::FpInf;
+    hit_data_o.t      = ti_num_pkg::Inf;
   end
   assign leave = deal || (hit_valid_o && hit_ready_i);
+
+  assign events_o.rays   = take;
+  assign events_o.misses = hit_valid_o && hit_ready_i;
+  always_comb begin
+    events_o.activity = '0;
+    if (hold_valid_q) events_o.activity.works = 1'b1;
+    else if (clipped_valid && !leave) events_o.activity.room = 1'b1;
+    else if (credits_q != CountWidth'(Depth)) events_o.activity.latency = 1'b1;
+    else events_o.activity.empty = 1'b1;
+  end
 
   `TI_ASSERT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid |-> ray_waits)

@@ -2,11 +2,11 @@
 
 `include "ti_assert.svh"
 
-/// Which slot visits its next node: rays that step, rays that go on after a leaf, and new rays take turns.
+/// Which slot visits its next node: an arbiter of rays that step, rays that go on after a leaf, and new rays.
 ///
 /// Every request is taken, as a slot stands here at most once.  2 cycles from request to visit when nobody else
 /// waits, one visit a cycle; round robin among the three kinds, first come first served within one.
-module ti_trv_turns #(
+module ti_trv_visits #(
   parameter int unsigned NumSlots = 8
 ) (
   input logic clk_i,
@@ -33,15 +33,15 @@ module ti_trv_turns #(
   typedef struct packed {
     ti_pkg::trv_slot_t   slot;
     ti_pkg::node_index_t node;
-  } want_t;
+  } visit_t;
 
-  logic [2:0] valid, ready;
-  want_t [2:0] want;
-  want_t visit;
+  logic [2:0] valid, ready, lost;
+  visit_t request[3];
+  visit_t visit;
   ti_pkg::trv_slot_t start_slot;
 
   ti_queue #(
-    .payload_t(want_t),
+    .payload_t(visit_t),
     .Depth    (NumSlots)
   ) u_steps (
     .clk_i,
@@ -50,11 +50,11 @@ module ti_trv_turns #(
     .push_data_i('{slot: step_slot_i, node: step_node_i}),
     .out_valid_o(valid[0]),
     .out_ready_i(ready[0]),
-    .out_data_o (want[0])
+    .out_data_o (request[0])
   );
 
   ti_queue #(
-    .payload_t(want_t),
+    .payload_t(visit_t),
     .Depth    (NumSlots)
   ) u_resumes (
     .clk_i,
@@ -63,7 +63,7 @@ module ti_trv_turns #(
     .push_data_i('{slot: resume_slot_i, node: resume_node_i}),
     .out_valid_o(valid[1]),
     .out_ready_i(ready[1]),
-    .out_data_o (want[1])
+    .out_data_o (request[1])
   );
 
   ti_queue #(
@@ -78,22 +78,25 @@ module ti_trv_turns #(
     .out_ready_i(ready[2]),
     .out_data_o (start_slot)
   );
-  assign want[2] = '{slot: start_slot, node: root_i};
+  assign request[2] = '{slot: start_slot, node: root_i};
 
   ti_arbiter #(
-    .payload_t(want_t),
+    .payload_t(visit_t),
     .NumIn    (3)
   ) u_arbiter (
     .clk_i,
     .rst_ni,
     .in_valid_i (valid),
     .in_ready_o (ready),
-    .in_data_i  (want),
+    .in_lost_o  (lost),
+    .in_data_i  (request),
     .out_valid_o(visit_valid_o),
     .out_ready_i(visit_ready_i),
     .out_data_o (visit)
   );
+  logic unused_lost;
+  assign unused_lost  = |lost;
   assign visit_slot_o = visit.slot;
   assign visit_node_o = visit.node;
 
-endmodule : ti_trv_turns
+endmodule : ti_trv_visits

@@ -8,7 +8,7 @@
 /// Leaf: on to the top of the short stack; else, if an entry was dropped, restart from the root at the
 /// leaf's exit; else the end.  An empty leaf also ends a ray whose best t does not exceed the exit;
 /// a leaf with triangles leaves that to `ti_trv_return`.  2 CMP.
-module ti_trv_decide #(
+module ti_kd_decide #(
   parameter int unsigned StackDepth = 4,
   parameter int unsigned WatchdogSteps = 65535,
   localparam int unsigned LevelWidth = $clog2(StackDepth + 1)
@@ -16,7 +16,7 @@ module ti_trv_decide #(
   input ti_pkg::node_index_t root_i,
 
   input ti_pkg::node_index_t index_i,  // of the node
-  input ti_pkg::node_t node_i,
+  input ti_kd_pkg::node_t node_i,
   input logic error_i,  // memory gave no node
   input logic negative_i,
   input ti_pkg::fp_t t_i,
@@ -46,8 +46,8 @@ module ti_trv_decide #(
   output logic restart_o
 );
 
-  localparam int unsigned E = ti_pkg::ExpBits;
-  localparam int unsigned M = ti_pkg::FracBits;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
 
   logic is_leaf, below_tmax, up_to_tmin, best_ends, near_is_adjacent, out_of_steps;
   ti_pkg::node_index_t near, adjacent;
@@ -61,7 +61,10 @@ module ti_trv_decide #(
   assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
 
   // An inner node compares t with both ends; a leaf compares the best t with its exit.
-  ti_fp_cmp #(E, M) u_tmax (
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_tmax (
     .a_i(t_i),
     .b_i(tmax_i),
     .lt_o(below_tmax),
@@ -69,7 +72,10 @@ module ti_trv_decide #(
     .le_o(),
     .unordered_o()
   );
-  ti_fp_cmp #(E, M) u_tmin (
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_tmin (
     .a_i(is_leaf ? tbest_i : t_i),
     .b_i(is_leaf ? tmax_i : tmin_i),
     .lt_o(),
@@ -134,4 +140,4 @@ module ti_trv_decide #(
     end
   end
 
-endmodule : ti_trv_decide
+endmodule : ti_kd_decide

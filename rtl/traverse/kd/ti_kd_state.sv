@@ -7,7 +7,7 @@
 /// The stack of a slot is a ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring
 /// overwrites the oldest.  A slot that has just been taken reads as a fresh ray, so a start writes the
 /// interval alone.
-module ti_trv_state #(
+module ti_kd_state #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
   /// Cycles from step to end, 3 or more.
@@ -83,16 +83,6 @@ module ti_trv_state #(
     ti_pkg::fp_t         tmax;
   } entry_t;
 
-  function automatic logic [StackAddrWidth-1:0] stack_addr(input slot_t slot, input pointer_t at);
-    return StackAddrWidth'(slot) * StackAddrWidth'(StackDepth) + StackAddrWidth'(at);
-  endfunction
-  function automatic pointer_t below(input pointer_t at);
-    return (at == '0) ? pointer_t'(StackDepth - 1) : at - 1'b1;
-  endfunction
-  function automatic pointer_t above(input pointer_t at);
-    return (at == pointer_t'(StackDepth - 1)) ? '0 : at + 1'b1;
-  endfunction
-
   // Two cycles before the end the state is read, one before it what the state points to.
   logic  early_valid;
   slot_t early_slot;
@@ -113,6 +103,7 @@ module ti_trv_state #(
   state_t state_ram, state_q, state, state_next;
   interval_t interval;
   entry_t top;
+  pointer_t late_top, pointer_below, pointer_above;
   logic [NumSlots-1:0] fresh_q;  // has not taken a step yet
 
   ti_ram_1r1w #(
@@ -160,10 +151,10 @@ module ti_trv_state #(
   ) u_stack (
     .clk_i,
     .read_en_i   (late_valid_o),
-    .read_addr_i (stack_addr(late_slot_o, below(state_ram.pointer))),
+    .read_addr_i (StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) + StackAddrWidth'(late_top)),
     .read_data_o (top),
     .write_en_i  (end_valid_i && push_i),
-    .write_addr_i(stack_addr(end_slot_i, state.pointer)),
+    .write_addr_i(StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) + StackAddrWidth'(state.pointer)),
     .write_data_i('{node: far_i, tmax: state.interval.tmax})
   );
 
@@ -181,11 +172,16 @@ module ti_trv_state #(
     end
   end
 
+  assign late_top = (state_ram.pointer == '0) ? pointer_t'(StackDepth - 1) :
+      state_ram.pointer - 1'b1;
+  assign pointer_below = (state.pointer == '0) ? pointer_t'(StackDepth - 1) : state.pointer - 1'b1;
+  assign pointer_above = (state.pointer == pointer_t'(StackDepth - 1)) ? '0 : state.pointer + 1'b1;
+
   assign state_next = '{
           interval: '{tmin: tmin_i, tmax: tmax_i},
           steps: steps_i,
           level: level_i,
-          pointer: push_i ? above(state.pointer) : pop_i ? below(state.pointer) : state.pointer,
+          pointer: push_i ? pointer_above : pop_i ? pointer_below : state.pointer,
           dropped: dropped_i
       };
 
@@ -199,10 +195,10 @@ module ti_trv_state #(
   assign top_tmax_o = top.tmax;
 
   if (StackDepth < 1) begin : gen_check_stack_depth
-    $error("ti_trv_state: StackDepth must be 1 or more");
+    $error("ti_kd_state: StackDepth must be 1 or more");
   end
   if (Lead < 3) begin : gen_check_lead
-    $error("ti_trv_state: Lead must be 3 or more");
+    $error("ti_kd_state: Lead must be 3 or more");
   end
 
-endmodule : ti_trv_state
+endmodule : ti_kd_state

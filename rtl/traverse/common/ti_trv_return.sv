@@ -7,19 +7,22 @@
 /// Takes return tokens and slots that are over, one at a time.  A miss costs 1 cycle, a hit 3, the last test
 /// of a leaf 1 more, a retirement 1 more.  A hit counts when tmin <= t and (t, prim) is less than the
 /// best so far, which starts as (the ray's tmax, no primitive).  When all tests of a leaf are back, the ray
-/// ends if its best t <= the leaf's exit, if it is an any-hit ray with a hit, if memory failed, or if
-/// nothing is left to visit; else it goes on.  Waits only for the taker of hits.
+/// ends if its best t <= the leaf's bound, if it is an any-hit ray with a hit, if memory failed, or if
+/// nothing is left to visit; else it goes on.  The bound is a t below which nothing of what is left to visit
+/// lies: a kd-tree gives the leaf's exit.  Waits only for the taker of hits.
 module ti_trv_return #(
   parameter int unsigned NumSlots = 8
 ) (
   input logic clk_i,
   input logic rst_ni,
 
-  // A ray takes a slot; only while `start_ready_o`.
-  input  logic              start_i,
-  output logic              start_ready_o,
-  input  ti_pkg::trv_slot_t start_slot_i,
-  input  ti_pkg::ray_t      start_ray_i,
+  // A ray takes a slot.
+  input logic                     start_i,
+  input ti_pkg::trv_slot_t        start_slot_i,
+  input logic              [31:0] start_ray_id_i,
+  input logic                     start_any_hit_i,
+  input ti_pkg::fp_t              start_tmin_i,
+  input ti_pkg::fp_t              start_tmax_i,
 
   // A slot enters a leaf with triangles.
   input logic                park_i,
@@ -28,7 +31,7 @@ module ti_trv_return #(
   input logic                park_go_i,       // there is more to visit after it
   input logic                park_restart_i,  // that is the root again
   input ti_pkg::node_index_t park_next_i,
-  input ti_pkg::fp_t         park_exit_i,
+  input ti_pkg::fp_t         park_bound_i,    // nothing after it is nearer
   input ti_pkg::steps_t      park_steps_i,
 
   // A slot is over without a leaf.
@@ -76,7 +79,7 @@ module ti_trv_return #(
     logic                go;
     logic                restart;
     ti_pkg::node_index_t next;
-    fp_t                 exit;
+    fp_t                 bound;
     ti_pkg::steps_t      steps;
   } park_t;
 
@@ -128,10 +131,10 @@ module ti_trv_return #(
     .write_addr_i(start_slot_i),
     .write_data_i(
     '{
-        ray_id: start_ray_i.ray_id,
-        any_hit: start_ray_i.any_hit,
-        tmin: start_ray_i.tmin,
-        tmax: start_ray_i.tmax
+        ray_id: start_ray_id_i,
+        any_hit: start_any_hit_i,
+        tmin: start_tmin_i,
+        tmax: start_tmax_i
     }
     )
   );
@@ -152,7 +155,7 @@ module ti_trv_return #(
         go: park_go_i,
         restart: park_restart_i,
         next: park_next_i,
-        exit: park_exit_i,
+        bound: park_bound_i,
         steps: park_steps_i
     }
     )
@@ -171,35 +174,37 @@ module ti_trv_return #(
     .write_data_i('{t: token_q.t, u: token_q.u, v: token_q.v, prim: token_q.prim})
   );
 
-  // A copy of the best t for the step pipeline; a start writes the ray's tmax into it.
-  logic  start_hold_q;
-  slot_t start_hold_slot_q;
-  fp_t   start_hold_tmax_q;
+  // Copies for the step pipeline: the best t is the ray's tmax until it has a hit.
+  fp_t tbest_hit, tbest_start;
+  logic tbest_is_hit_q;
   ti_ram_1r1w #(
     .Depth (NumSlots),
-    .word_t(ti_pkg::fp_t)
-  ) u_tbest (
+    .word_t(fp_t)
+  ) u_tbest_hit (
     .clk_i,
     .read_en_i   (tbest_read_i),
     .read_addr_i (tbest_slot_i),
-    .read_data_o (tbest_o),
-    .write_en_i  (take_hit || start_hold_q),
-    .write_addr_i(take_hit ? slot_q : start_hold_slot_q),
-    .write_data_i(take_hit ? token_q.t : start_hold_tmax_q)
+    .read_data_o (tbest_hit),
+    .write_en_i  (take_hit),
+    .write_addr_i(slot_q),
+    .write_data_i(token_q.t)
   );
-
-  // A hit in the same cycle goes first.
-  assign start_ready_o = !start_hold_q;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) start_hold_q <= 1'b0;
-    else start_hold_q <= start_i || (start_hold_q && take_hit);
-  end
+  ti_ram_1r1w #(
+    .Depth (NumSlots),
+    .word_t(fp_t)
+  ) u_tbest_start (
+    .clk_i,
+    .read_en_i   (tbest_read_i),
+    .read_addr_i (tbest_slot_i),
+    .read_data_o (tbest_start),
+    .write_en_i  (start_i),
+    .write_addr_i(start_slot_i),
+    .write_data_i(start_tmax_i)
+  );
   always_ff @(posedge clk_i) begin
-    if (start_i) begin
-      start_hold_slot_q <= start_slot_i;
-      start_hold_tmax_q <= start_ray_i.tmax;
-    end
+    if (tbest_read_i) tbest_is_hit_q <= has_hit_q[tbest_slot_i];
   end
+  assign tbest_o = tbest_is_hit_q ? tbest_hit : tbest_start;
 
   // Next in hand: slots that are over and tokens take turns.
   assign load           = state_d == Idle;
@@ -243,7 +248,7 @@ module ti_trv_return #(
     if (!has_hit_q[slot_q]) best = '{t: start.tmax, u: '0, v: '0, prim: ti_pkg::NoPrim};
   end
 
-  // One comparison a state: tmin with t, t with the best, the best with the exit.
+  // One comparison a state: tmin with t, t with the best, the best with the bound.
   always_comb begin
     cmp_a = start.tmin;
     cmp_b = token_q.t;
@@ -252,10 +257,13 @@ module ti_trv_return #(
       cmp_b = best.t;
     end else if (state_q == Leaf) begin
       cmp_a = best.t;
-      cmp_b = park.exit;
+      cmp_b = park.bound;
     end
   end
-  ti_fp_cmp #(ti_pkg::ExpBits, ti_pkg::FracBits) u_cmp (
+  ti_fp_cmp #(
+    .ExpBits (ti_num_pkg::ExpBits),
+    .FracBits(ti_num_pkg::FracBits)
+  ) u_cmp (
     .a_i(cmp_a),
     .b_i(cmp_b),
     .lt_o(lt),
@@ -333,7 +341,7 @@ module ti_trv_return #(
     hit_data_o.steps  = over_q ? over_steps_q : park.steps;
     hit_data_o.hit    = reports_hit;
     if (!reports_hit) begin
-      hit_data_o.t    = ti_pkg::FpInf;
+      hit_data_o.t    = ti_num_pkg::Inf;
       hit_data_o.prim = ti_pkg::NoPrim;
     end else if (!start.any_hit) begin
       hit_data_o.t    = best.t;
@@ -345,6 +353,5 @@ module ti_trv_return #(
 
   `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(NeverMoreBackThanSent, finish_token |-> back_q[slot_q] + token_q.count <= park.count)
-  `TI_ASSERT(StartsWhenReady, start_i |-> start_ready_o)
 
 endmodule : ti_trv_return

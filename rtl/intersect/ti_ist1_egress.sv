@@ -7,7 +7,7 @@
 /// Every result is taken at once into a queue with a place for each slot; the slot is given back when its
 /// result has left the queue.  One slot a cycle: candidates first, then misses, then errors.  2 cycles from
 /// result to output.
-module ti_ist1_leave #(
+module ti_ist1_egress #(
   parameter  int unsigned NumSlots  = 8,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
 ) (
@@ -35,7 +35,7 @@ module ti_ist1_leave #(
 
   output logic               candidate_valid_o,
   input  logic               candidate_ready_i,
-  output ti_pkg::candidate_t candidate_data_o,
+  output ti_intersect_pkg::candidate_t candidate_data_o,
 
   output logic            return_valid_o,
   input  logic            return_ready_i,
@@ -119,7 +119,7 @@ module ti_ist1_leave #(
   assign give_o      = kept_leaves || over_leaves;
   assign give_slot_o = kept_leaves ? kept.slot : over_slot;
 
-  ti_pkg::candidate_t candidate;
+  ti_intersect_pkg::candidate_t candidate;
   assign candidate = '{
           home: home_q[kept.slot],
           prim: kept.prim,
@@ -138,7 +138,7 @@ module ti_ist1_leave #(
   end
 
   ti_stage #(
-    .payload_t(ti_pkg::candidate_t)
+    .payload_t(ti_intersect_pkg::candidate_t)
   ) u_candidate_stage (
     .clk_i,
     .rst_ni,
@@ -165,4 +165,4 @@ module ti_ist1_leave #(
 
   `TI_ASSERT(OneResultAtATime, !(inside_i && miss_i))
 
-endmodule : ti_ist1_leave
+endmodule : ti_ist1_egress

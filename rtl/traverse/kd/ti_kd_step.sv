@@ -5,7 +5,7 @@
 /// One node a cycle, `Latency` cycles, no stall.  The node and the sign of the inverse come out beside t.
 /// t is NaN exactly for a ray that is parallel to the plane and in it (0 * inf).  A leaf passes
 /// through; its t means nothing.
-module ti_trv_step #(
+module ti_kd_step #(
   /// Width of what travels along untouched.
   parameter  int unsigned TagWidth = 1,
   localparam int unsigned Latency  = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
@@ -15,19 +15,19 @@ module ti_trv_step #(
 
   input logic                         valid_i,
   input logic          [TagWidth-1:0] tag_i,
-  input ti_pkg::node_t                node_i,
+  input ti_kd_pkg::node_t                node_i,
   input ti_pkg::vec3_t                o_i,
   input ti_pkg::vec3_t                inv_i,
 
   output logic                         valid_o,
   output logic          [TagWidth-1:0] tag_o,
-  output ti_pkg::node_t                node_o,
+  output ti_kd_pkg::node_t                node_o,
   output logic                         negative_o,  // sign of the direction on the node's axis
   output ti_pkg::fp_t                  t_o
 );
 
-  localparam int unsigned E = ti_pkg::ExpBits;
-  localparam int unsigned M = ti_pkg::FracBits;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
 
   logic inner, to_plane_valid;
   logic [1:0] axis;
@@ -37,7 +37,10 @@ module ti_trv_step #(
   assign axis  = inner ? node_i.axis : 2'd0;
   assign inv   = inv_i[axis];
 
-  ti_fp_add #(E, M) u_to_plane (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_to_plane (
     .clk_i,
     .rst_ni,
     .valid_i(inner),
@@ -47,13 +50,19 @@ module ti_trv_step #(
     .valid_o(to_plane_valid),
     .result_o(to_plane)
   );
-  ti_delay #(ti_pkg::fp_t, ti_fp_pkg::AddLatency) u_inv (
+  ti_delay #(
+    .payload_t(ti_pkg::fp_t),
+    .Cycles   (ti_fp_pkg::AddLatency)
+  ) u_inv (
     .clk_i,
     .rst_ni,
     .data_i(inv),
     .data_o(inv_mul)
   );
-  ti_fp_mul #(E, M) u_t (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_t (
     .clk_i,
     .rst_ni,
     .valid_i(to_plane_valid),
@@ -70,13 +79,23 @@ module ti_trv_step #(
   end
   assign valid_o = valid_q[Latency-1];
 
-  ti_delay #(logic [$bits(
-ti_pkg::node_t
-)+TagWidth:0], Latency) u_along (
+  typedef struct packed {
+    logic                negative;
+    ti_kd_pkg::node_t    node;
+    logic [TagWidth-1:0] tag;
+  } along_t;
+  along_t along;
+  ti_delay #(
+    .payload_t(along_t),
+    .Cycles   (Latency)
+  ) u_along (
     .clk_i,
     .rst_ni,
-    .data_i({inv[ti_pkg::FpWidth-1], node_i, tag_i}),
-    .data_o({negative_o, node_o, tag_o})
+    .data_i('{negative: inv[ti_num_pkg::FpWidth-1], node: node_i, tag: tag_i}),
+    .data_o(along)
   );
+  assign negative_o = along.negative;
+  assign node_o     = along.node;
+  assign tag_o      = along.tag;
 
-endmodule : ti_trv_step
+endmodule : ti_kd_step

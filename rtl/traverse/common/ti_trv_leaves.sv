@@ -14,14 +14,13 @@ module ti_trv_leaves #(
   input ti_pkg::trv_index_t index_i,  // of the unit
 
   // A ray takes a slot.
-  input logic              start_i,
-  input ti_pkg::trv_slot_t start_slot_i,
-  input ti_pkg::vec3_t     start_o_i,
-  input ti_pkg::vec3_t     start_d_i,
+  input logic                  start_i,
+  input ti_pkg::trv_slot_t     start_slot_i,
+  input ti_pkg::ray_operands_t start_operands_i,
 
   input logic                      push_i,
   input ti_pkg::trv_slot_t         push_slot_i,
-  input logic               [31:0] push_first_i,
+  input ti_pkg::list_index_t       push_first_i,
   input ti_pkg::tri_count_t        push_count_i,
   input ti_pkg::fp_t               push_tbest_i,
 
@@ -31,20 +30,15 @@ module ti_trv_leaves #(
 );
 
   typedef struct packed {
-    ti_pkg::trv_slot_t  slot;
-    logic [31:0]        first;
-    ti_pkg::tri_count_t count;
-    ti_pkg::fp_t        tbest;
+    ti_pkg::trv_slot_t   slot;
+    ti_pkg::list_index_t first;
+    ti_pkg::tri_count_t  count;
+    ti_pkg::fp_t         tbest;
   } leaf_wait_t;
-
-  typedef struct packed {
-    ti_pkg::vec3_t o;
-    ti_pkg::vec3_t d;
-  } operands_t;
 
   logic waits, take, valid_q;
   leaf_wait_t first_waiting, leaf_q;
-  operands_t operands;
+  ti_pkg::ray_operands_t operands;
 
   ti_queue #(
     .payload_t(leaf_wait_t),
@@ -63,7 +57,7 @@ module ti_trv_leaves #(
 
   ti_ram_1r1w #(
     .Depth (NumSlots),
-    .word_t(operands_t)
+    .word_t(ti_pkg::ray_operands_t)
   ) u_operands (
     .clk_i,
     .read_en_i   (waits && take),
@@ -71,7 +65,7 @@ module ti_trv_leaves #(
     .read_data_o (operands),
     .write_en_i  (start_i),
     .write_addr_i(start_slot_i),
-    .write_data_i('{o: start_o_i, d: start_d_i})
+    .write_data_i(start_operands_i)
   );
 
   assign take = !valid_q || leaf_ready_i;
@@ -86,8 +80,7 @@ module ti_trv_leaves #(
           home: '{trv: index_i, slot: leaf_q.slot},
           first: leaf_q.first,
           count: leaf_q.count,
-          o: operands.o,
-          d: operands.d,
+          operands: operands,
           tbest: leaf_q.tbest
       };
 

@@ -10,7 +10,7 @@
 /// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid.
 /// 1 RCP, 2 ADD, 2 MUL, 4 CMP.
 module ti_rd_clip #(
-  localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_pkg::FracBits),
+  localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
   localparam int unsigned GatherLatency = 1,  // interval over the axes
   localparam int unsigned CheckLatency = 1,  // outward, hit or miss
   localparam int unsigned Latency =
@@ -33,9 +33,11 @@ module ti_rd_clip #(
   output ti_pkg::fp_t     tmax_o
 );
 
-  localparam int unsigned E = ti_pkg::ExpBits;
-  localparam int unsigned M = ti_pkg::FracBits;
-  localparam int unsigned W = ti_pkg::FpWidth;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
+  localparam int unsigned W = ti_num_pkg::FpWidth;
+  // Units in the last place by which the interval grows at each end.
+  localparam int unsigned Outward = 4;
   typedef ti_pkg::fp_t fp_t;
 
   typedef struct packed {
@@ -49,7 +51,10 @@ module ti_rd_clip #(
   logic rcp_valid, mul_valid;
   fp_t inv, to_lo, to_hi, to_lo_mul, to_hi_mul, near_t, far_t;
 
-  ti_fp_rcp #(E, M) u_rcp (
+  ti_fp_rcp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_rcp (
     .clk_i,
     .rst_ni,
     .valid_i,
@@ -57,7 +62,10 @@ module ti_rd_clip #(
     .valid_o(rcp_valid),
     .result_o(inv)
   );
-  ti_fp_add #(E, M) u_lo (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_lo (
     .clk_i,
     .rst_ni,
     .valid_i,
@@ -67,7 +75,10 @@ module ti_rd_clip #(
     .valid_o(),
     .result_o(to_lo)
   );
-  ti_fp_add #(E, M) u_hi (
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_hi (
     .clk_i,
     .rst_ni,
     .valid_i,
@@ -80,7 +91,10 @@ module ti_rd_clip #(
   if (RcpLatency < ti_fp_pkg::AddLatency) begin : gen_check
     $error("ti_rd_clip: the reciprocal must not be faster than the adder");
   end
-  ti_delay #(logic [2*W-1:0], RcpLatency - ti_fp_pkg::AddLatency) u_to_mul (
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (RcpLatency - ti_fp_pkg::AddLatency)
+  ) u_to_mul (
     .clk_i,
     .rst_ni,
     .data_i({to_lo, to_hi}),
@@ -89,14 +103,15 @@ module ti_rd_clip #(
 
   logic negative, parallel, outside;
   assign negative = inv[W-1];
-  assign parallel = ti_pkg::fp_is_inf(inv);
-  assign outside = (!to_lo_mul[W-1] && !ti_pkg::fp_is_zero(
-      to_lo_mul
-  )) || (to_hi_mul[W-1] && !ti_pkg::fp_is_zero(
-      to_hi_mul
-  ));
+  assign parallel = inv[W-2:0] == ti_num_pkg::Inf[W-2:0];
+  // lo - o > 0 or hi - o < 0.
+  assign outside = (!to_lo_mul[W-1] && to_lo_mul[W-2:0] != '0) ||
+      (to_hi_mul[W-1] && to_hi_mul[W-2:0] != '0);
 
-  ti_fp_mul #(E, M) u_near (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_near (
     .clk_i,
     .rst_ni,
     .valid_i(rcp_valid),
@@ -105,7 +120,10 @@ module ti_rd_clip #(
     .valid_o(mul_valid),
     .result_o(near_t)
   );
-  ti_fp_mul #(E, M) u_far (
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_far (
     .clk_i,
     .rst_ni,
     .valid_i(rcp_valid),
@@ -116,35 +134,35 @@ module ti_rd_clip #(
   );
 
   along_t along, along_in;
-  logic finite;
-  assign finite = ti_pkg::fp_is_finite(
-      ray_i.o[0]
-  ) && ti_pkg::fp_is_finite(
-      ray_i.o[1]
-  ) && ti_pkg::fp_is_finite(
-      ray_i.o[2]
-  ) && ti_pkg::fp_is_finite(
-      ray_i.d[0]
-  ) && ti_pkg::fp_is_finite(
-      ray_i.d[1]
-  ) && ti_pkg::fp_is_finite(
-      ray_i.d[2]
-  );
+  logic [5:0] finite;
+  logic nan_tmin, nan_tmax;
+  for (genvar i = 0; i < 3; i++) begin : gen_finite
+    assign finite[i]   = ray_i.o[i][M+:E] != '1;
+    assign finite[i+3] = ray_i.d[i][M+:E] != '1;
+  end
+  assign nan_tmin = ray_i.tmin[W-2:0] > ti_num_pkg::Inf[W-2:0];
+  assign nan_tmax = ray_i.tmax[W-2:0] > ti_num_pkg::Inf[W-2:0];
   always_comb begin
     along_in.axis = axis_i;
-    along_in.bad  = !finite || ti_pkg::fp_is_nan(ray_i.tmin) || ti_pkg::fp_is_nan(ray_i.tmax);
+    along_in.bad  = finite != '1 || nan_tmin || nan_tmax;
     along_in.tmin = ray_i.tmin;
     along_in.tmax = ray_i.tmax;
   end
   fp_t inv_end;
   logic parallel_end, outside_end;
-  ti_delay #(along_t, RcpLatency + ti_fp_pkg::MulLatency) u_along (
+  ti_delay #(
+    .payload_t(along_t),
+    .Cycles   (RcpLatency + ti_fp_pkg::MulLatency)
+  ) u_along (
     .clk_i,
     .rst_ni,
     .data_i(along_in),
     .data_o(along)
   );
-  ti_delay #(logic [W+1:0], ti_fp_pkg::MulLatency) u_inv (
+  ti_delay #(
+    .payload_t(logic [W+1:0]),
+    .Cycles   (ti_fp_pkg::MulLatency)
+  ) u_inv (
     .clk_i,
     .rst_ni,
     .data_i({inv, parallel, outside}),
@@ -161,7 +179,10 @@ module ti_rd_clip #(
   assign tmin_from = !first ? tmin_q : (along.tmin[W-1] ? '0 : along.tmin);
   assign tmax_from = !first ? tmax_q : along.tmax;
 
-  ti_fp_cmp #(E, M) u_raise (
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_raise (
     .a_i(tmin_from),
     .b_i(near_t),
     .lt_o(raise),
@@ -169,7 +190,10 @@ module ti_rd_clip #(
     .le_o(),
     .unordered_o()
   );
-  ti_fp_cmp #(E, M) u_lower (
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_lower (
     .a_i(far_t),
     .b_i(tmax_from),
     .lt_o(lower),
@@ -177,7 +201,10 @@ module ti_rd_clip #(
     .le_o(),
     .unordered_o()
   );
-  ti_fp_cmp #(E, M) u_given (
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_given (
     .a_i(along.tmin),
     .b_i(along.tmax),
     .lt_o(),
@@ -203,12 +230,18 @@ module ti_rd_clip #(
     end
   end
 
-  // Outward by 4 ulp.
-  fp_t tmin_out, tmax_out;
+  // Outward, in the order of bit patterns: down to 0, up to infinity at most.
+  fp_t tmin_out, tmax_out, tmin_size, tmax_size;
   logic ordered, invalid;
-  assign tmin_out = ti_pkg::fp_ulps_down(tmin_q, 4);
-  assign tmax_out = ti_pkg::fp_ulps_up(tmax_q, 4);
-  ti_fp_cmp #(E, M) u_ordered (
+  assign tmin_size = {1'b0, tmin_q[W-2:0]};
+  assign tmax_size = {1'b0, tmax_q[W-2:0]};
+  assign tmin_out  = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
+  assign tmax_out  = (tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)) ? ti_num_pkg::Inf :
+      tmax_size + fp_t'(Outward);
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_ordered (
     .a_i(tmin_out),
     .b_i(tmax_out),
     .lt_o(),
@@ -225,9 +258,7 @@ module ti_rd_clip #(
 
   always_ff @(posedge clk_i) begin
     if (gathered_q) begin
-      miss_o <= invalid || empty_q || outside_q || !ordered || (tmax_q[W-1] && !ti_pkg::fp_is_zero(
-          tmax_q
-      ));
+      miss_o <= invalid || empty_q || outside_q || !ordered || (tmax_q[W-1] && tmax_q[W-2:0] != '0);
       status_o <= invalid ? ti_pkg::InvalidRay : ti_pkg::Ok;
       inv_o <= inv_q;
       tmin_o <= tmin_out;

@@ -4,10 +4,11 @@
 
 /// TRV: traversal of the kd-tree for the rays that are at home here (Nah et al. 2011, section 4).
 ///
-/// A ray takes a slot, and its nodes pass `ti_ra` (2 cycles on a hit), `ti_trv_step` and `ti_trv_decide` until it
+/// A ray takes a slot, and its nodes pass `ti_ra` (2 cycles on a hit), `ti_kd_step` and `ti_kd_decide` until it
 /// reaches a leaf with triangles, which goes out to LIST, or its end.  From node to next request
 /// `StepLatency` cycles; one step a cycle when enough rays are at home.  The pipeline never stalls: every queue
 /// has a place for each slot.  Short stack: the newest `StackDepth` entries of each slot in one memory.
+/// `dispatch_ready_o` says that a slot is free, and stays until it is taken.
 module ti_trv #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
@@ -15,7 +16,6 @@ module ti_trv #(
   parameter int unsigned Rows = 2,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
-  localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1,
   localparam int unsigned GeometryLatency = 1,  // slot memory
   localparam int unsigned ArithmeticLatency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
   localparam int unsigned QueueLatency = 1,
@@ -23,16 +23,18 @@ module ti_trv #(
   localparam int unsigned StepLatency =
       GeometryLatency + ArithmeticLatency + QueueLatency + TurnLatency
 ) (
-  input logic                clk_i,
-  input logic                rst_ni,
+  input  logic                clk_i,
+  input  logic                rst_ni,
+  input  logic                flush_i,  // forget all lines; only while idle
+  output logic                idle_o,   // no ray, nothing on its way
   // Constants.  The number is a port and not a parameter so that all units are one module.
-  input ti_pkg::trv_index_t  index_i,
-  input ti_pkg::addr_t       node_base_i,
-  input ti_pkg::node_index_t root_i,
+  input  ti_pkg::trv_index_t  index_i,
+  input  ti_mem_pkg::addr_t   node_base_i,
+  input  ti_pkg::node_index_t root_i,
 
   input  logic              dispatch_valid_i,
   output logic              dispatch_ready_o,
-  input  ti_pkg::dispatch_t dispatch_data_i,
+  input  ti_traverse_pkg::dispatch_t dispatch_data_i,
 
   output logic          leaf_valid_o,
   input  logic          leaf_ready_i,
@@ -46,17 +48,15 @@ module ti_trv #(
   input  logic         hit_ready_i,
   output ti_pkg::hit_t hit_data_o,
 
-  output logic                              line_req_valid_o,
-  input  logic                              line_req_ready_i,
-  output logic               [RowWidth-1:0] line_req_row_o,
-  output ti_pkg::line_addr_t                line_req_line_o,
+  output logic                  line_req_valid_o,
+  input  logic                  line_req_ready_i,
+  output ti_mem_pkg::line_req_t line_req_data_o,
 
-  input logic                         line_rsp_valid_i,
-  input logic          [RowWidth-1:0] line_rsp_row_i,
-  input ti_pkg::line_t                line_rsp_data_i,
-  input logic                         line_rsp_error_i,
+  input  logic                  line_rsp_valid_i,
+  output logic                  line_rsp_ready_o,
+  input  ti_mem_pkg::line_rsp_t line_rsp_data_i,
 
-  output ti_pkg::trv_counters_t counters_o
+  output ti_count_pkg::trv_events_t events_o  // `room` where an output waits
 );
 
   localparam int unsigned LevelWidth = $clog2(StackDepth + 1);
@@ -77,36 +77,36 @@ module ti_trv #(
   } over_t;
 
   // ---- Slots: a ray comes in.
-  logic slot_free, start_ready, start, free;
+  logic start, free;
   slot_t new_slot, freed_slot;
 
-  assign dispatch_ready_o = slot_free && start_ready;
-  assign start            = dispatch_valid_i && dispatch_ready_o;
+  assign start = dispatch_valid_i && dispatch_ready_o;
 
   ti_slot_pool #(
     .NumSlots(NumSlots)
   ) u_pool (
     .clk_i,
     .rst_ni,
-    .free_valid_o(slot_free),
+    .free_valid_o(dispatch_ready_o),
     .free_slot_o (new_slot),
     .take_i      (start),
     .give_i      (free),
     .give_slot_i (freed_slot)
   );
 
-  // ---- Requests: steps, rays that go on after a leaf, and new rays take turns.
+  // ---- Requests: steps, rays that go on after a leaf, and new rays.
   logic step_push, resume, resume_restart, req_ready, rsp_valid, rsp_error;
   logic visit_valid;
   slot_t resume_slot, visit_slot, end_slot;
   node_index_t resume_node, visit_node, next_node;
   slot_t rsp_slot;
-  ti_pkg::node_t rsp_node;
-  logic event_access, event_hit, event_merged, event_miss;
+  ti_kd_pkg::node_t rsp_node;
+  logic ra_idle, ra_waits;
+  ti_count_pkg::cache_events_t cache_events;
 
-  ti_trv_turns #(
+  ti_trv_visits #(
     .NumSlots(NumSlots)
-  ) u_turns (
+  ) u_visits (
     .clk_i,
     .rst_ni,
     .root_i,
@@ -127,18 +127,19 @@ module ti_trv #(
   ti_ra #(
     .NumSlots  (NumSlots),
     .Rows      (Rows),
-    .AddrWidth (ti_pkg::AddrWidth),
-    .LineBytes (ti_pkg::LineBytes),
     .ElemBytes (8),
     .CacheBytes(CacheBytes),
     .Ways      (Ways)
   ) u_ra (
     .clk_i,
     .rst_ni,
+    .flush_i,
+    .idle_o        (ra_idle),
+    .waits_o       (ra_waits),
     .req_valid_i   (visit_valid),
     .req_ready_o   (req_ready),
     .req_slot_i    (visit_slot),
-    .req_addr_i    (node_base_i + (ti_pkg::addr_t'(visit_node) << 3)),
+    .req_addr_i    (node_base_i + (ti_mem_pkg::addr_t'(visit_node) << 3)),
     .rsp_valid_o   (rsp_valid),
     .rsp_ready_i   (1'b1),
     .rsp_slot_o    (rsp_slot),
@@ -146,22 +147,17 @@ module ti_trv #(
     .rsp_error_o   (rsp_error),
     .line_req_valid_o,
     .line_req_ready_i,
-    .line_req_row_o,
-    .line_req_line_o,
+    .line_req_data_o,
     .line_rsp_valid_i,
-    .line_rsp_row_i,
+    .line_rsp_ready_o,
     .line_rsp_data_i,
-    .line_rsp_error_i,
-    .event_access_o(event_access),
-    .event_hit_o   (event_hit),
-    .event_merged_o(event_merged),
-    .event_miss_o  (event_miss)
+    .events_o      (cache_events)
   );
 
   // ---- The step.
   logic step_q, step_error_q, end_valid, end_error, end_negative;
   slot_t step_slot_q;
-  ti_pkg::node_t step_node_q, end_node;
+  ti_kd_pkg::node_t step_node_q, end_node;
   geometry_t geometry;
   fp_t end_t;
 
@@ -175,7 +171,7 @@ module ti_trv #(
     .read_data_o (geometry),
     .write_en_i  (start),
     .write_addr_i(new_slot),
-    .write_data_i('{o: dispatch_data_i.ray.o, inv: dispatch_data_i.inv})
+    .write_data_i('{o: dispatch_data_i.operands.o, inv: dispatch_data_i.inv})
   );
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -190,7 +186,7 @@ module ti_trv #(
     end
   end
 
-  ti_trv_step #(
+  ti_kd_step #(
     .TagWidth($bits(slot_t) + 1)
   ) u_step (
     .clk_i,
@@ -216,7 +212,7 @@ module ti_trv #(
   ti_pkg::status_e status;
   logic [LevelWidth-1:0] level, level_next;
 
-  ti_trv_state #(
+  ti_kd_state #(
     .NumSlots  (NumSlots),
     .StackDepth(StackDepth),
     .Lead      (ArithmeticLatency)
@@ -255,7 +251,7 @@ module ti_trv #(
     .pop_i       (pop)
   );
 
-  ti_trv_decide #(
+  ti_kd_decide #(
     .StackDepth   (StackDepth),
     .WatchdogSteps(WatchdogSteps)
   ) u_decide (
@@ -301,8 +297,7 @@ module ti_trv #(
     .index_i,
     .start_i     (start),
     .start_slot_i(new_slot),
-    .start_o_i   (dispatch_data_i.ray.o),
-    .start_d_i   (dispatch_data_i.ray.d),
+    .start_operands_i(dispatch_data_i.operands),
     .push_i      (end_valid && leaf),
     .push_slot_i (end_slot),
     .push_first_i(end_node.value),
@@ -336,16 +331,18 @@ module ti_trv #(
     .clk_i,
     .rst_ni,
     .start_i         (start),
-    .start_ready_o   (start_ready),
     .start_slot_i    (new_slot),
-    .start_ray_i     (dispatch_data_i.ray),
+    .start_ray_id_i  (dispatch_data_i.ray_id),
+    .start_any_hit_i (dispatch_data_i.any_hit),
+    .start_tmin_i    (dispatch_data_i.ray_tmin),
+    .start_tmax_i    (dispatch_data_i.ray_tmax),
     .park_i          (end_valid && leaf),
     .park_slot_i     (end_slot),
     .park_count_i    (end_node.link[15:0]),
     .park_go_i       (go),
     .park_restart_i  (restart),
     .park_next_i     (next_node),
-    .park_exit_i     (tmax),
+    .park_bound_i    (tmax),
     .park_steps_i    (steps_next),
     .over_valid_i    (over_valid),
     .over_ready_o    (over_ready),
@@ -369,38 +366,42 @@ module ti_trv #(
     .free_slot_o     (freed_slot)
   );
 
-  // ---- Counters.
-  logic visited_leaf;
-  assign visited_leaf = end_node.axis == 2'd3 && status == ti_pkg::Ok;
-
-  ti_cache_counters u_cache_counters (
-    .clk_i,
-    .rst_ni,
-    .event_access_i(event_access),
-    .event_hit_i   (event_hit),
-    .event_merged_i(event_merged),
-    .event_miss_i  (event_miss),
-    .counters_o    (counters_o.cache)
-  );
+  // ---- What happens, for counting.
+  logic at_home, moving;
+  logic [$bits(slot_t):0] inside_q, moving_q;  // rays at home; of these, on their way to a decision
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      counters_o.steps       <= '0;
-      counters_o.leaves      <= '0;
-      counters_o.full_leaves <= '0;
-      counters_o.restarts    <= '0;
-      counters_o.rays        <= '0;
+      inside_q <= '0;
+      moving_q <= '0;
     end else begin
-      if (end_valid) begin
-        counters_o.steps <= counters_o.steps + 1'b1;
-        if (visited_leaf) counters_o.leaves <= counters_o.leaves + 1'b1;
-        if (leaf) counters_o.full_leaves <= counters_o.full_leaves + 1'b1;
-      end
-      // Counted when the ray goes, which a hit in the leaf may keep it from.
-      counters_o.restarts <= counters_o.restarts + ti_pkg::counter_t'(step_push && restart) +
-                             ti_pkg::counter_t'(resume && resume_restart);
-      if (free) counters_o.rays <= counters_o.rays + 1'b1;
+      inside_q <= inside_q + ($bits(inside_q))'(start) - ($bits(inside_q))'(free);
+      moving_q <= moving_q + ($bits(moving_q))'(start) + ($bits(moving_q))'(resume) -
+          ($bits(moving_q))'(end_valid && !step_push);
     end
+  end
+  assign at_home = inside_q != '0;
+  assign moving  = moving_q != '0;
+  assign idle_o  = !at_home && ra_idle;
+
+  always_comb begin
+    events_o.activity = '0;
+    if (step_q) events_o.activity.works = 1'b1;
+    else if (ra_waits) events_o.activity.memory = 1'b1;
+    else if ((leaf_valid_o && !leaf_ready_i) || (hit_valid_o && !hit_ready_i))
+      events_o.activity.room = 1'b1;
+    else if (moving) events_o.activity.latency = 1'b1;
+    else if (at_home) events_o.activity.results = 1'b1;
+    else events_o.activity.empty = 1'b1;
+
+    events_o.steps       = end_valid;
+    events_o.leaves      = end_valid && end_node.axis == 2'd3 && status == ti_pkg::Ok;
+    events_o.full_leaves = end_valid && leaf;
+    events_o.restarts    = step_push && restart;
+    // Counted when the ray goes, which a hit in the leaf may keep it from.
+    events_o.restarts_after_tests = resume && resume_restart;
+    events_o.rays        = free;
+    events_o.cache       = cache_events;
   end
 
   if (NumSlots != 2 ** $bits(slot_t)) begin : gen_check_num_slots
@@ -411,6 +412,6 @@ module ti_trv #(
   end
 
   `TI_ASSERT(IntervalNotEmpty,
-             end_valid && !end_error |-> tmin[ti_pkg::FpWidth-2:0] < tmax[ti_pkg::FpWidth-2:0])
+             end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
 
 endmodule : ti_trv

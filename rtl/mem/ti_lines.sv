@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// The line ports of one kind of unit onto one stream of requests, answers back to who asked.
+///
+/// 1 cycle for a request, one a cycle; none for an answer.  This is where the L2 of the kind will stand: it has
+/// the same ports, and as each unit has its own stream of answers, banks can answer several in a cycle.
+module ti_lines #(
+  /// Units of the kind, 1 or more.
+  parameter int unsigned NumUnits = 1,
+  /// Number of the first one's port among those of the core.
+  parameter int unsigned FirstPort = 0
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  // From and to the units.
+  input  logic                  [NumUnits-1:0] line_req_valid_i,
+  output logic                  [NumUnits-1:0] line_req_ready_o,
+  input  ti_mem_pkg::line_req_t                line_req_data_i [NumUnits],
+
+  output logic                  [NumUnits-1:0] line_rsp_valid_o,
+  input  logic                  [NumUnits-1:0] line_rsp_ready_i,
+  output ti_mem_pkg::line_rsp_t                line_rsp_data_o [NumUnits],
+
+  // To and from memory.
+  output logic                  req_valid_o,
+  input  logic                  req_ready_i,
+  output ti_mem_pkg::port_req_t req_data_o,
+
+  input  logic                  rsp_valid_i,
+  output logic                  rsp_ready_o,
+  input  ti_mem_pkg::port_rsp_t rsp_data_i
+);
+
+  ti_mem_pkg::port_req_t requests[NumUnits];
+  logic [NumUnits-1:0] lost, mine;
+
+  for (genvar u = 0; u < NumUnits; u++) begin : gen_unit
+    assign requests[u] = '{
+            port_index: ti_mem_pkg::port_index_t'(FirstPort + u),
+            req: line_req_data_i[u]
+        };
+    assign mine[u] = rsp_data_i.port_index == ti_mem_pkg::port_index_t'(FirstPort + u);
+    assign line_rsp_valid_o[u] = rsp_valid_i && mine[u];
+    assign line_rsp_data_o[u] = rsp_data_i.rsp;
+  end
+  assign rsp_ready_o = (mine & ~line_rsp_ready_i) == '0;
+
+  ti_arbiter #(
+    .payload_t(ti_mem_pkg::port_req_t),
+    .NumIn    (NumUnits)
+  ) u_arbiter (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i (line_req_valid_i),
+    .in_ready_o (line_req_ready_o),
+    .in_lost_o  (lost),
+    .in_data_i  (requests),
+    .out_valid_o(req_valid_o),
+    .out_ready_i(req_ready_i),
+    .out_data_o (req_data_o)
+  );
+
+  logic unused_lost;
+  assign unused_lost = |lost;
+
+  `TI_ASSERT(AnswersOneUnit, rsp_valid_i |-> $onehot(mine))
+
+endmodule : ti_lines

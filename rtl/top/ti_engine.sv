@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+
+`include "ti_assert.svh"
+
+/// The traversal and intersection engine: rays in, hits out, one AXI4 read port a core.
+///
+/// `NumCores` cores trace rays of one scene.  Every ray that goes in comes out exactly once; hits come in any order
+/// and carry the ray's number.  The taker of hits must not wait for rays to be accepted.  All inputs but the reset go
+/// into registers and all outputs come from them.
+///
+/// `scene_i` is taken over in each cycle in which `idle_o` is 1, so it may change at any time and holds for rays
+/// accepted after the engine has been idle.  A new scene at the addresses of an old one needs a flush: while
+/// `flush_i` is 1 no ray is accepted, and the first idle cycle forgets all lines; hold it until `idle_o` is 1.
+///
+/// Reset: see `ti_axi_read` on reads in flight.
+///
+/// Counters count while `count_run_i` is 1; `count_o` is counter `count_event_i` of unit `count_unit_i` of core
+/// `count_core_i` (`ti_count_pkg`), 2 cycles after it was asked for.
+module ti_engine #(
+  localparam int unsigned NumCores = ti_config_pkg::Cores,
+  localparam int unsigned CoreIndexWidth = (NumCores > 1) ? $clog2(NumCores) : 1,
+  localparam int unsigned AxiIdWidth = (ti_config_pkg::MaxReads > 1) ?
+      $clog2(ti_config_pkg::MaxReads) : 1
+) (
+  input  logic           clk_i,
+  input  logic           rst_ni,
+  input  logic           flush_i,
+  output logic           idle_o,   // no ray inside
+  input  ti_pkg::scene_t scene_i,
+
+  input  logic         ray_valid_i,
+  output logic         ray_ready_o,
+  input  ti_pkg::ray_t ray_data_i,
+
+  output logic         hit_valid_o,
+  input  logic         hit_ready_i,
+  output ti_pkg::hit_t hit_data_o,
+
+  // Core c has the element c of each.
+  output logic              [NumCores-1:0] m_axi_arvalid,
+  input  logic              [NumCores-1:0] m_axi_arready,
+  output logic              [AxiIdWidth-1:0] m_axi_arid   [NumCores],
+  output ti_mem_pkg::addr_t                  m_axi_araddr [NumCores],
+  output logic              [           7:0] m_axi_arlen  [NumCores],
+  output logic              [           2:0] m_axi_arsize [NumCores],
+  output logic              [           1:0] m_axi_arburst[NumCores],
+  output logic              [NumCores-1:0] m_axi_arlock,
+  output logic              [           3:0] m_axi_arcache[NumCores],
+  output logic              [           2:0] m_axi_arprot [NumCores],
+  output logic              [           3:0] m_axi_arqos  [NumCores],
+  input  logic              [NumCores-1:0] m_axi_rvalid,
+  output logic              [NumCores-1:0] m_axi_rready,
+  input  logic              [AxiIdWidth-1:0] m_axi_rid    [NumCores],
+  input  ti_mem_pkg::line_t                  m_axi_rdata  [NumCores],
+  input  logic              [           1:0] m_axi_rresp  [NumCores],
+  input  logic              [NumCores-1:0] m_axi_rlast,
+
+  input  logic                                            count_run_i,
+  input  logic                       [CoreIndexWidth-1:0] count_core_i,
+  input  ti_count_pkg::unit_index_t                       count_unit_i,
+  input  ti_count_pkg::event_index_t                      count_event_i,
+  output ti_count_pkg::count_t                            count_o
+);
+
+  localparam int unsigned NumPorts = ti_mem_pkg::NumPorts;
+
+  // Rays inside, those in queues included.
+  logic take, give, deal_ready;
+  logic [31:0] inside_q;
+  logic flush, idle;
+  ti_pkg::scene_t scene_q;
+
+  assign ray_ready_o = deal_ready && !flush_q;
+  assign take        = ray_valid_i && ray_ready_o;
+  assign give        = hit_valid_o && hit_ready_i;
+  assign idle        = inside_q == '0;
+  assign idle_o      = idle;
+  assign flush       = flush_q && idle;
+
+  logic flush_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      flush_q  <= 1'b0;
+      inside_q <= '0;
+    end else begin
+      flush_q <= flush_i;
+      if (take != give) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
+    end
+  end
+  always_ff @(posedge clk_i) if (idle) scene_q <= scene_i;
+
+  logic [NumCores-1:0] core_ray_valid, core_ray_ready, core_hit_valid, core_hit_ready;
+  logic [NumCores-1:0] core_idle, core_hit_lost;
+  ti_pkg::ray_t core_ray[NumCores];
+  ti_pkg::hit_t core_hit[NumCores];
+
+  ti_core_deal #(
+    .NumCores(NumCores),
+    .Tile    (ti_config_pkg::CoreTile)
+  ) u_deal (
+    .clk_i,
+    .rst_ni,
+    .ray_valid_i (ray_valid_i && !flush_q),
+    .ray_ready_o (deal_ready),
+    .ray_data_i,
+    .core_valid_o(core_ray_valid),
+    .core_ready_i(core_ray_ready),
+    .core_data_o (core_ray)
+  );
+
+  // Counters.
+  logic count_run_q;
+  logic [CoreIndexWidth-1:0] count_core_q, count_core_q2;
+  ti_count_pkg::unit_index_t count_unit_q, count_unit_q2;
+  ti_count_pkg::event_index_t count_event_q;
+  ti_count_pkg::count_t core_count[NumCores];
+  ti_count_pkg::count_t axi_count [NumCores];
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) count_run_q <= 1'b0;
+    else count_run_q <= count_run_i;
+  end
+  always_ff @(posedge clk_i) begin
+    count_core_q  <= count_core_i;
+    count_core_q2 <= count_core_q;
+    count_unit_q  <= count_unit_i;
+    count_unit_q2 <= count_unit_q;
+    count_event_q <= count_event_i;
+  end
+  assign count_o = (32'(count_unit_q2) == ti_count_pkg::UnitAxi) ? axi_count[count_core_q2] :
+      core_count[count_core_q2];
+
+  for (genvar c = 0; c < NumCores; c++) begin : gen_core
+    logic [NumPorts-1:0] line_req_valid, line_req_ready, line_rsp_valid, line_rsp_ready;
+    ti_mem_pkg::line_req_t line_req[NumPorts];
+    ti_mem_pkg::line_rsp_t line_rsp[NumPorts];
+    ti_count_pkg::axi_events_t axi_events;
+
+    ti_core u_core (
+      .clk_i,
+      .rst_ni,
+      .flush_i         (flush),
+      .idle_o          (core_idle[c]),
+      .scene_i         (scene_q),
+      .ray_valid_i     (core_ray_valid[c]),
+      .ray_ready_o     (core_ray_ready[c]),
+      .ray_data_i      (core_ray[c]),
+      .hit_valid_o     (core_hit_valid[c]),
+      .hit_ready_i     (core_hit_ready[c]),
+      .hit_data_o      (core_hit[c]),
+      .line_req_valid_o(line_req_valid),
+      .line_req_ready_i(line_req_ready),
+      .line_req_data_o (line_req),
+      .line_rsp_valid_i(line_rsp_valid),
+      .line_rsp_ready_o(line_rsp_ready),
+      .line_rsp_data_i (line_rsp),
+      .count_run_i     (count_run_q),
+      .count_unit_i    (count_unit_q),
+      .count_event_i   (count_event_q),
+      .count_o         (core_count[c])
+    );
+
+    ti_memory u_memory (
+      .clk_i,
+      .rst_ni,
+      .line_req_valid_i(line_req_valid),
+      .line_req_ready_o(line_req_ready),
+      .line_req_data_i (line_req),
+      .line_rsp_valid_o(line_rsp_valid),
+      .line_rsp_ready_i(line_rsp_ready),
+      .line_rsp_data_o (line_rsp),
+      .m_axi_arvalid   (m_axi_arvalid[c]),
+      .m_axi_arready   (m_axi_arready[c]),
+      .m_axi_arid      (m_axi_arid[c]),
+      .m_axi_araddr    (m_axi_araddr[c]),
+      .m_axi_arlen     (m_axi_arlen[c]),
+      .m_axi_arsize    (m_axi_arsize[c]),
+      .m_axi_arburst   (m_axi_arburst[c]),
+      .m_axi_arlock    (m_axi_arlock[c]),
+      .m_axi_arcache   (m_axi_arcache[c]),
+      .m_axi_arprot    (m_axi_arprot[c]),
+      .m_axi_arqos     (m_axi_arqos[c]),
+      .m_axi_rvalid    (m_axi_rvalid[c]),
+      .m_axi_rready    (m_axi_rready[c]),
+      .m_axi_rid       (m_axi_rid[c]),
+      .m_axi_rdata     (m_axi_rdata[c]),
+      .m_axi_rresp     (m_axi_rresp[c]),
+      .m_axi_rlast     (m_axi_rlast[c]),
+      .events_o        (axi_events)
+    );
+
+    ti_counters #(
+      .Num(ti_count_pkg::NumAxiEvents)
+    ) u_counters (
+      .clk_i,
+      .rst_ni,
+      .run_i   (count_run_q),
+      .events_i(axi_events),
+      .index_i (count_event_q),
+      .count_o (axi_count[c])
+    );
+
+    `TI_ASSERT(IdleMeansEmpty, idle |-> core_idle[c])
+  end
+
+  ti_arbiter #(
+    .payload_t(ti_pkg::hit_t),
+    .NumIn    (NumCores)
+  ) u_hits (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i (core_hit_valid),
+    .in_ready_o (core_hit_ready),
+    .in_lost_o  (core_hit_lost),
+    .in_data_i  (core_hit),
+    .out_valid_o(hit_valid_o),
+    .out_ready_i(hit_ready_i),
+    .out_data_o (hit_data_o)
+  );
+
+  logic unused;
+  assign unused = ^{core_hit_lost, core_idle};
+
+  if (NumCores < 1) begin : gen_check_cores
+    $error("ti_engine: NumCores must be 1 or more");
+  end
+
+  `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT(NoHitWithoutARay, give |-> inside_q != '0)
+  `TI_COVER(FlushesIdle, flush)
+  `TI_COVER(FlushWaitsForRays, flush_q && !idle)
+
+endmodule : ti_engine

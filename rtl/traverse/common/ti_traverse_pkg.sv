@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// What passes inside the traversal cluster, whatever the kind of tree.
+package ti_traverse_pkg;
+
+  /// RD -> TRV: a ray that enters the scene box.
+  typedef struct packed {
+    logic [31:0]           ray_id;
+    logic                  any_hit;
+    ti_pkg::ray_operands_t operands;
+    ti_pkg::fp_t           ray_tmin;  // interval in which hits count
+    ti_pkg::fp_t           ray_tmax;
+    ti_pkg::vec3_t         inv;       // 1 / d
+    ti_pkg::fp_t           tmin;      // interval of the traversal
+    ti_pkg::fp_t           tmax;
+  } dispatch_t;
+
+endpackage : ti_traverse_pkg
