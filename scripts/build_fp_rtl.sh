@@ -1,10 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Build the test bench of the floating-point RTL for one format: build_fp_rtl.sh E M OUTDIR
-# leaves the program OUTDIR/fp_rtl.  Needs `verilator` on PATH; CXX, OBJCACHE as usual.
+# Build the test bench of the floating-point RTL for one format: build_fp_rtl.sh E M OUTDIR [KEY=VALUE ...]
+# leaves the program OUTDIR/fp_rtl.  The operators have the stages of the configuration `tiny` unless keys
+# such as fp_add_stages=5 say otherwise.  Needs `verilator` and `python` on PATH; CXX, OBJCACHE as usual.
 set -eu
 
-if [ $# -ne 3 ]; then
+if [ $# -lt 3 ]; then
   echo "build_fp_rtl.sh needs a format of two whole numbers, E and M, and a folder: build_fp_rtl.sh 8 23 OUTDIR." >&2
   exit 2
 fi
@@ -22,19 +23,24 @@ if [ "$1" -lt 3 ] || [ "$1" -gt 8 ] || [ "$2" -lt 2 ] || [ "$2" -gt 23 ]; then
 fi
 
 root=$(cd "$(dirname "$0")/.." && pwd)
+exp_bits=$1
+frac_bits=$2
 mkdir -p "$3"
 out=$(cd "$3" && pwd)
+shift 3
 export OBJCACHE="${OBJCACHE-$(command -v ccache || true)}"
 
 # One build at a time in a folder.
 exec 9> "$out/lock"
 flock 9
 
+python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --out "$out/config"
+
 verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
-  --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$1" -GFracBits="$2" \
-  -I"$root/rtl/common" "$root/lint/verilator.vlt" \
+  --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$exp_bits" -GFracBits="$frac_bits" \
+  -I"$root/rtl/common" "$root/lint/verilator.vlt" "$out/config/ti_config_pkg.sv" \
   "$root/rtl/fp/ti_fp_pkg.sv" "$root/rtl/fp/ti_fp_add.sv" "$root/rtl/fp/ti_fp_mul.sv" \
   "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
   "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/common/format.cpp" \
   -CFLAGS "-std=c++20 -ffp-contract=off -I$root/sw -I$root/sim/fp" \
-  -CFLAGS "-DTI_EXP_BITS=$1 -DTI_FRAC_BITS=$2" -MAKEFLAGS OPT_FAST=-O2
+  -CFLAGS "-DTI_EXP_BITS=$exp_bits -DTI_FRAC_BITS=$frac_bits" -MAKEFLAGS OPT_FAST=-O2

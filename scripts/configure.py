@@ -43,6 +43,10 @@ KEYS = {
     "frac_bits": Key(2, 23),
     "cores": Key(1, 64),
     "core_tile": Key(1, 4096),
+    "fp_add_stages": Key(4, 7),
+    "fp_mul_stages": Key(3, 5),
+    "fp_rcp_bits_per_stage": Key(1, 3),
+    "fp_rcp_end_stages": Key(2, 4),
     "num_trv": Key(1, 256),
     "num_list": Key(1, 256),
     "num_ist1": Key(1, 256),
@@ -131,8 +135,20 @@ def check(path: Path, config: dict[str, int]) -> None:
             f"{path}: num_list is {config['num_list']}, "
             f"but must be at most num_trv, {config['num_trv']}"
         )
+    check_reciprocal(path, config)
     for unit in L1S:
         check_cache(path, config, unit)
+
+
+def check_reciprocal(path: Path, config: dict[str, int]) -> None:
+    """RD subtracts while it inverts: the reciprocal takes at least as long (`ti_fp_pkg`)."""
+    bits = config["fp_rcp_bits_per_stage"]
+    stages = config["fp_rcp_end_stages"] + (config["frac_bits"] + 1 + bits) // bits
+    if config["fp_add_stages"] > stages:
+        raise ConfigError(
+            f"{path}: fp_add_stages is {config['fp_add_stages']}, "
+            f"but must be at most the stages of the reciprocal, {stages}"
+        )
 
 
 def check_cache(path: Path, config: dict[str, int], unit: str) -> None:

@@ -2,18 +2,23 @@
 
 /// Floating-point a + b, or a - b where `negate_b_i` is 1.
 ///
-/// Latency 4, one result a cycle, never stalls: `valid_o` is `valid_i` four cycles later.  All paths
-/// start and end in registers except the inputs.  A stage works only for a valid operand pair.
+/// Latency `Stages`, one result a cycle, never stalls: `valid_o` is `valid_i` that many cycles
+/// later.  All paths start and end in registers except the inputs.  A stage works only for a valid
+/// operand pair.  With 5 stages the comparison of the inputs has a stage of its own, which leaves
+/// time for what the caller has in front; with 6 aligning is parted from adding, with 7 counting
+/// from shifting.
 ///
 /// IEEE 754: one rounding to nearest even; subnormals kept on both sides; overflow gives infinity;
 /// a NaN operand or infinity - infinity gives the one quiet NaN (sign 0, fraction 10...0);
 /// x + -x is +0, -0 + -0 is -0.  Method: order by magnitude, align with guard, round and sticky
-/// bits, add, shift left as far as the exponent allows, round.
+/// bits, add, count the leading zeros as far as the exponent allows, shift left by them, round.
 module ti_fp_add #(
   /// Exponent bits, 3 to 8.
   parameter int unsigned ExpBits = 8,
   /// Stored fraction bits, 2 to 23.
   parameter int unsigned FracBits = 23,
+  /// Register stages, 4 to 7.
+  parameter int unsigned Stages = ti_fp_pkg::AddLatency,
   localparam int unsigned Width = 1 + ExpBits + FracBits
 ) (
   input logic clk_i,
@@ -28,11 +33,23 @@ module ti_fp_add #(
   output logic [Width-1:0] result_o
 );
 
-  localparam int unsigned OrderLatency = 1;
+  // A step of latency 0 is done in the stage of the next one.
+  localparam int unsigned OrderLatency = (Stages >= 5) ? 1 : 0;
+  localparam int unsigned DistanceLatency = 1;
+  localparam int unsigned AlignLatency = (Stages >= 6) ? 1 : 0;
   localparam int unsigned SumLatency = 1;
-  localparam int unsigned NormLatency = 1;
+  localparam int unsigned CountLatency = (Stages >= 7) ? 1 : 0;
+  localparam int unsigned ShiftLatency = 1;
   localparam int unsigned RoundLatency = 1;
-  localparam int unsigned Latency = OrderLatency + SumLatency + NormLatency + RoundLatency;
+
+  // The stage of each step; that of ordering is 0.
+  localparam int unsigned DistanceStage = OrderLatency;
+  localparam int unsigned AlignStage = DistanceStage + DistanceLatency;
+  localparam int unsigned SumStage = AlignStage + AlignLatency;
+  localparam int unsigned CountStage = SumStage + SumLatency;
+  localparam int unsigned ShiftStage = CountStage + CountLatency;
+  localparam int unsigned RoundStage = ShiftStage + ShiftLatency;
+  localparam int unsigned Latency = RoundStage + RoundLatency;
 
   localparam int unsigned MagBits = ExpBits + FracBits;
   // Significand with its leading bit, then guard, round and sticky; the sum has a carry on top.
@@ -40,9 +57,9 @@ module ti_fp_add #(
   localparam int unsigned AlignedBits = SigBits + 3;
   localparam int unsigned SumBits = AlignedBits + 1;
   // A shift by SigBits + 2 leaves nothing but the sticky bit.
-  localparam int unsigned ShiftMax = SigBits + 2;
-  localparam int unsigned ShiftBits = $clog2(ShiftMax + 1);
-  localparam int unsigned NormSteps = $clog2(SumBits);
+  localparam int unsigned DistanceMax = SigBits + 2;
+  localparam int unsigned DistanceBits = $clog2(DistanceMax + 1);
+  localparam int unsigned CountBits = $clog2(SumBits);
 
   if (ExpBits < 3 || ExpBits > 8) begin : gen_check_exp_bits
     $error("ti_fp_add: ExpBits must be 3 to 8.");
@@ -50,9 +67,14 @@ module ti_fp_add #(
   if (FracBits < 2 || FracBits > 23) begin : gen_check_frac_bits
     $error("ti_fp_add: FracBits must be 2 to 23.");
   end
-  if (Latency != ti_fp_pkg::AddLatency) begin : gen_check_latency
-    $error("ti_fp_add: Latency is not that of ti_fp_pkg.");
+  if (Latency != Stages) begin : gen_check_stages
+    $error("ti_fp_add: Stages must be 4 to 7.");
   end
+
+  typedef struct packed {
+    logic sign;
+    logic to_nan;
+  } side_t;
 
   logic [Latency-1:0] valid_q;
 
@@ -64,117 +86,173 @@ module ti_fp_add #(
     end
   end
 
-  // Step 1: larger magnitude (`major`) first, distance of the exponents.
-  logic [  MagBits-1:0] order_major_q;
-  logic [  SigBits-1:0] order_minor_q;
-  logic [ShiftBits-1:0] order_shift_q;
-  logic order_subtract_q, order_sign_q, order_nan_q;
+  // Registers behind each step; those of a step of latency 0 are not used.
+  logic [MagBits-1:0] order_major_q;  // the larger magnitude
+  logic [MagBits-1:0] order_minor_q;
+  logic order_subtract_q;
+  side_t order_side_q;
 
-  /// Places by which the smaller significand moves right; exponents 0 and 1 have the same scale.
-  function automatic logic [ShiftBits-1:0] align_shift(logic [ExpBits-1:0] exp_major,
-                                                       logic [ExpBits-1:0] exp_minor);
-    logic [ExpBits-1:0] distance;
-    distance = exp_major - exp_minor;
-    if (exp_minor == '0 && exp_major != '0) distance = distance - 1'b1;
-    return 32'(distance) > ShiftMax ? ShiftBits'(ShiftMax) : ShiftBits'(distance);
-  endfunction
+  logic [MagBits-1:0] distance_major_q;
+  logic [SigBits-1:0] distance_minor_q;
+  logic [DistanceBits-1:0] distance_q;
+  logic distance_subtract_q;
+  side_t distance_side_q;
 
-  always_ff @(posedge clk_i) begin
-    if (valid_i) begin
-      automatic logic sign_a = a_i[Width-1];
-      automatic logic sign_b = b_i[Width-1] ^ negate_b_i;
-      automatic logic subtract = sign_a ^ sign_b;
-      automatic logic equal = a_i[MagBits-1:0] == b_i[MagBits-1:0];
-      automatic logic swap = a_i[MagBits-1:0] < b_i[MagBits-1:0];
-      automatic logic [MagBits-1:0] major = swap ? b_i[MagBits-1:0] : a_i[MagBits-1:0];
-      automatic logic [MagBits-1:0] minor = swap ? a_i[MagBits-1:0] : b_i[MagBits-1:0];
-      automatic logic [ExpBits-1:0] exp_major = major[FracBits+:ExpBits];
-      automatic logic [ExpBits-1:0] exp_minor = minor[FracBits+:ExpBits];
+  logic [MagBits-1:0] align_major_q;
+  logic [AlignedBits-1:0] align_minor_q;
+  logic align_subtract_q;
+  side_t align_side_q;
 
-      order_major_q <= major;
-      order_minor_q <= {exp_minor != '0, minor[FracBits-1:0]};
-      order_shift_q <= align_shift(exp_major, exp_minor);
-      order_subtract_q <= subtract;
-      order_sign_q <= (swap ? sign_b : sign_a) && !(subtract && equal);
-      order_nan_q <= (&exp_major) && ((|major[FracBits-1:0]) || (subtract && (&exp_minor)));
-    end
-  end
-
-  // Step 2: align and add.  Bits that leave on the right stay as the sticky bit.
   logic [SumBits-1:0] sum_q;
   logic [ExpBits-1:0] sum_exp_q;
-  logic sum_sign_q, sum_nan_q;
+  side_t sum_side_q;
 
-  /// Sum of significands, three more places on the right, a carry on the left.
-  function automatic logic [SumBits-1:0] sum_of(logic [MagBits-1:0] major,
-                                                logic [SigBits-1:0] minor,
-                                                logic [ShiftBits-1:0] shift, logic subtract);
-    logic [SigBits+ShiftMax-1:0] wide;
-    logic [SumBits-1:0] base, addend;
-    wide   = {minor, {ShiftMax{1'b0}}} >> shift;
-    base   = {1'b0, major[FracBits+:ExpBits] != '0, major[FracBits-1:0], 3'b000};
-    addend = {1'b0, wide[SigBits+ShiftMax-1:SigBits], |wide[SigBits-1:0]};
-    return subtract ? base - addend : base + addend;
-  endfunction
+  logic [CountBits-1:0] count_q;
+  logic [SumBits-1:0] count_sum_q;
+  logic [ExpBits-1:0] count_exp_q;
+  side_t count_side_q;
 
+  logic [MagBits-1:0] shift_mag_q;
+  logic shift_guard_q, shift_sticky_q, shift_inf_q;
+  side_t shift_side_q;
+
+  // The last stage first: registers are read before they are written, and a simulator keeps no copy.
   always_ff @(posedge clk_i) begin
-    if (valid_q[0]) begin
-      sum_q <= sum_of(order_major_q, order_minor_q, order_shift_q, order_subtract_q);
-      sum_exp_q <= order_major_q[FracBits+:ExpBits];
-      sum_sign_q <= order_sign_q;
-      sum_nan_q <= order_nan_q;
-    end
-  end
+    automatic logic [Latency-1:0] valid;
+    automatic side_t side;
+    automatic logic [MagBits-1:0] mag_a, mag_b, major, minor;
+    automatic logic sign_a, sign_b, subtract, swap;
+    automatic logic [ExpBits-1:0] exp_major, exp_minor, exponent, wide_distance;
+    automatic logic [SigBits-1:0] sig_minor;
+    automatic logic [DistanceBits-1:0] distance;
+    automatic logic [SigBits+DistanceMax-1:0] wide;
+    automatic logic [AlignedBits-1:0] aligned;
+    automatic logic [SumBits-1:0] base, addend, sum, left;
+    automatic logic [CountBits-1:0] count;
+    automatic logic zero, up;
 
-  // Step 3: normalise.
-  logic [MagBits-1:0] norm_mag_q;
-  logic norm_guard_q, norm_sticky_q, norm_inf_q, norm_sign_q, norm_nan_q;
+    valid = {valid_q[Latency-2:0], valid_i};
+    if (valid != '0) begin
+      for (int k = int'(Latency) - 1; k >= 0; k--) begin
+        // Order: larger magnitude first.
+        if (k == 0 && valid[k]) begin
+          mag_a = a_i[MagBits-1:0];
+          mag_b = b_i[MagBits-1:0];
+          sign_a = a_i[Width-1];
+          sign_b = b_i[Width-1] ^ negate_b_i;
+          subtract = sign_a ^ sign_b;
+          swap = mag_a < mag_b;
+          major = swap ? mag_b : mag_a;
+          minor = swap ? mag_a : mag_b;
+          exp_major = major[FracBits+:ExpBits];
+          exp_minor = minor[FracBits+:ExpBits];
+          side.sign = (swap ? sign_b : sign_a) && !(subtract && mag_a == mag_b);
+          side.to_nan = (&exp_major) && ((|major[FracBits-1:0]) || (subtract && (&exp_minor)));
+          order_major_q <= major;
+          order_minor_q <= minor;
+          order_subtract_q <= subtract;
+          order_side_q <= side;
+        end
 
-  /// {exponent field, sum} with the sum moved left by its leading zeros, or as far as exponent 1.
-  ///
-  /// A step of 2^i places is written without a branch, which a simulator would guess wrong.
-  function automatic logic [ExpBits+SumBits-1:0] normalise(logic [ExpBits-1:0] exp_major,
-                                                           logic [SumBits-1:0] sum);
-    logic [ExpBits-1:0] exp_left;
-    logic [SumBits-1:0] sum_left;
-    logic [NormSteps-1:0] step;
-    logic moves;
-    // The exponent of the carry bit; exponent 0 has the scale of exponent 1.
-    exp_left = exp_major == '0 ? ExpBits'(2) : exp_major + ExpBits'(1);
-    sum_left = sum;
-    for (int i = NormSteps - 1; i >= 0; i--) begin
-      moves = (sum_left >> (SumBits - (1 << i))) == '0 && 32'(exp_left) > (1 << i);
-      step = NormSteps'(moves) << i;
-      exp_left = exp_left - ExpBits'(step);
-      sum_left = sum_left << step;
-    end
-    return {sum_left[SumBits-1] ? exp_left : ExpBits'(0), sum_left};
-  endfunction
+        // Distance: places by which the smaller significand moves right; exponents 0 and 1 have the
+        // same scale.
+        if (k == int'(DistanceStage) && valid[k]) begin
+          if (OrderLatency != 0) begin
+            major = order_major_q;
+            minor = order_minor_q;
+            subtract = order_subtract_q;
+            side = order_side_q;
+          end
+          exp_major = major[FracBits+:ExpBits];
+          exp_minor = minor[FracBits+:ExpBits];
+          wide_distance = exp_major - exp_minor - ExpBits'(exp_minor == '0 && exp_major != '0);
+          distance_q <= 32'(wide_distance) > DistanceMax ? DistanceBits'(DistanceMax)
+              : DistanceBits'(wide_distance);
+          distance_major_q <= major;
+          distance_minor_q <= {exp_minor != '0, minor[FracBits-1:0]};
+          distance_subtract_q <= subtract;
+          distance_side_q <= side;
+        end
 
-  always_ff @(posedge clk_i) begin
-    if (valid_q[1]) begin
-      automatic logic [ExpBits+SumBits-1:0] normal = normalise(sum_exp_q, sum_q);
+        // Align: bits that leave on the right stay as the sticky bit.
+        if (k == int'(AlignStage) && valid[k]) begin
+          sig_minor = distance_minor_q;
+          distance = distance_q;
+          major = distance_major_q;
+          subtract = distance_subtract_q;
+          side = distance_side_q;
+          wide = {sig_minor, {DistanceMax{1'b0}}} >> distance;
+          aligned = {wide[SigBits+DistanceMax-1:SigBits], |wide[SigBits-1:0]};
+          align_major_q <= major;
+          align_minor_q <= aligned;
+          align_subtract_q <= subtract;
+          align_side_q <= side;
+        end
 
-      norm_mag_q <= {normal[SumBits+:ExpBits], normal[SumBits-2-:FracBits]};
-      norm_guard_q <= normal[SumBits-2-FracBits];
-      norm_sticky_q <= |normal[SumBits-3-FracBits:0];
-      norm_inf_q <= (&sum_exp_q) || (&normal[SumBits+:ExpBits]);
-      norm_sign_q <= sum_sign_q;
-      norm_nan_q <= sum_nan_q;
-    end
-  end
+        // Sum of the significands, three more places on the right, a carry on the left.
+        if (k == int'(SumStage) && valid[k]) begin
+          if (AlignLatency != 0) begin
+            major = align_major_q;
+            aligned = align_minor_q;
+            subtract = align_subtract_q;
+            side = align_side_q;
+          end
+          base   = {1'b0, major[FracBits+:ExpBits] != '0, major[FracBits-1:0], 3'b000};
+          addend = {1'b0, aligned};
+          sum_q <= subtract ? base - addend : base + addend;
+          sum_exp_q <= major[FracBits+:ExpBits];
+          sum_side_q <= side;
+        end
 
-  // Step 4: round.  A carry out of the fraction is the right exponent, up to infinity.
-  always_ff @(posedge clk_i) begin
-    if (valid_q[2]) begin
-      automatic logic norm_up = norm_guard_q && (norm_sticky_q || norm_mag_q[0]);
+        // Count: leading zeros of the sum.  A one at the place that would become exponent 1 ends the
+        // count there.
+        if (k == int'(CountStage) && valid[k]) begin
+          sum = sum_q;
+          exponent = sum_exp_q | ExpBits'(sum_exp_q == '0);
+          side = sum_side_q;
+          left = {1'b1, {(SumBits - 1) {1'b0}}} >> CountBits'(exponent);
+          left = sum | (left & {SumBits{32'(exponent) < SumBits}});
+          count = '0;
+          // Steps without a branch, which a simulator would guess wrong.
+          for (int i = int'(CountBits) - 1; i >= 0; i--) begin
+            zero  = (left >> (SumBits - (1 << i))) == '0;
+            count = count | (CountBits'(zero) << i);
+            left  = left << (CountBits'(zero) << i);
+          end
+          count_q <= count;
+          count_sum_q <= sum;
+          count_exp_q <= exponent;
+          count_side_q <= side;
+        end
 
-      if (norm_nan_q) begin
-        result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
-      end else if (norm_inf_q) begin
-        result_o <= {norm_sign_q, {ExpBits{1'b1}}, {FracBits{1'b0}}};
-      end else begin
-        result_o <= {norm_sign_q, norm_mag_q + MagBits'(norm_up)};
+        // Shift: the carry bit has the exponent above that of the larger operand.
+        if (k == int'(ShiftStage) && valid[k]) begin
+          if (CountLatency != 0) begin
+            count = count_q;
+            sum = count_sum_q;
+            exponent = count_exp_q;
+            side = count_side_q;
+          end
+          left = sum << count;
+          exp_major = left[SumBits-1] ? exponent + ExpBits'(1) - ExpBits'(count) : '0;
+          shift_mag_q <= {exp_major, left[SumBits-2-:FracBits]};
+          shift_guard_q <= left[SumBits-2-FracBits];
+          shift_sticky_q <= |left[SumBits-3-FracBits:0];
+          shift_inf_q <= (&exponent) || (&exp_major);
+          shift_side_q <= side;
+        end
+
+        // Round: a carry out of the fraction is the right exponent, up to infinity.
+        if (k == int'(RoundStage) && valid[k]) begin
+          up = shift_guard_q && (shift_sticky_q || shift_mag_q[0]);
+          if (shift_side_q.to_nan) begin
+            result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
+          end else if (shift_inf_q) begin
+            result_o <= {shift_side_q.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+          end else begin
+            result_o <= {shift_side_q.sign, shift_mag_q + MagBits'(up)};
+          end
+        end
       end
     end
   end

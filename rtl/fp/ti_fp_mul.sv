@@ -2,19 +2,24 @@
 
 /// Floating-point a * b.
 ///
-/// Latency 3, one result a cycle, never stalls: `valid_o` is `valid_i` three cycles later.  All
-/// paths start and end in registers except the inputs.  A stage works only for a valid pair.
+/// Latency `Stages`, one result a cycle, never stalls: `valid_o` is `valid_i` that many cycles
+/// later.  All paths start and end in registers except the inputs.  A stage works only for a valid
+/// pair.  With 4 stages the operands stand in registers in front of the multiplier, which leaves
+/// time for what the caller has in front; with 5 the product is made in two halves, added in the
+/// next stage.
 ///
 /// IEEE 754: one rounding to nearest even; subnormals kept on both sides; overflow gives infinity;
 /// a NaN operand or 0 * infinity gives the one quiet NaN (sign 0, fraction 10...0); the sign of
 /// every other result, zeros included, is the exclusive or of the signs.  Method: full product of
-/// the significands as they stand, one shift (left while the exponent allows, or right into the
-/// subnormals), round.
+/// the significands as they stand; beside it the leading zeros of the smaller one, as far as the
+/// exponent allows; one shift (left by them, or right into the subnormals), round.
 module ti_fp_mul #(
   /// Exponent bits, 3 to 8.
   parameter int unsigned ExpBits = 8,
   /// Stored fraction bits, 2 to 23.
   parameter int unsigned FracBits = 23,
+  /// Register stages, 3 to 5.
+  parameter int unsigned Stages = ti_fp_pkg::MulLatency,
   localparam int unsigned Width = 1 + ExpBits + FracBits
 ) (
   input logic clk_i,
@@ -28,23 +33,33 @@ module ti_fp_mul #(
   output logic [Width-1:0] result_o
 );
 
+  // A step of latency 0 is done in the stage of the next one.
+  localparam int unsigned UnpackLatency = (Stages >= 4) ? 1 : 0;
+  localparam int unsigned HalvesLatency = (Stages >= 5) ? 1 : 0;
   localparam int unsigned ProductLatency = 1;
-  localparam int unsigned NormLatency = 1;
+  localparam int unsigned ShiftLatency = 1;
   localparam int unsigned RoundLatency = 1;
-  localparam int unsigned Latency = ProductLatency + NormLatency + RoundLatency;
+
+  // The stage of each step; that of unpacking is 0.
+  localparam int unsigned HalvesStage = UnpackLatency;
+  localparam int unsigned ProductStage = HalvesStage + HalvesLatency;
+  localparam int unsigned ShiftStage = ProductStage + ProductLatency;
+  localparam int unsigned RoundStage = ShiftStage + ShiftLatency;
+  localparam int unsigned Latency = RoundStage + RoundLatency;
 
   localparam int unsigned MagBits = ExpBits + FracBits;
   localparam int unsigned SigBits = FracBits + 1;
+  localparam int unsigned LowBits = SigBits / 2;
+  localparam int unsigned HighBits = SigBits - LowBits;
   localparam int unsigned ProdBits = 2 * SigBits;
   // Enough for the signed sum of two exponents of up to 8 bits less the bias.
   localparam int unsigned SumExpBits = 10;
   localparam int signed Bias = (1 << (ExpBits - 1)) - 1;
   localparam int unsigned ExpMax = (1 << ExpBits) - 1;
-  // A shift by SigBits + 1 leaves nothing but the sticky bit.
+  // A shift to the right by SigBits + 1 leaves nothing but the sticky bit.
   localparam int unsigned ShiftMax = SigBits + 1;
   localparam int unsigned ShiftBits = $clog2(ShiftMax + 1);
-  // A product to be moved left has at most one subnormal factor: up to SigBits leading zeros.
-  localparam int unsigned NormSteps = $clog2(SigBits + 1);
+  localparam int unsigned CountBits = $clog2(SigBits);
 
   if (ExpBits < 3 || ExpBits > 8) begin : gen_check_exp_bits
     $error("ti_fp_mul: ExpBits must be 3 to 8.");
@@ -52,9 +67,15 @@ module ti_fp_mul #(
   if (FracBits < 2 || FracBits > 23) begin : gen_check_frac_bits
     $error("ti_fp_mul: FracBits must be 2 to 23.");
   end
-  if (Latency != ti_fp_pkg::MulLatency) begin : gen_check_latency
-    $error("ti_fp_mul: Latency is not that of ti_fp_pkg.");
+  if (Latency != Stages) begin : gen_check_stages
+    $error("ti_fp_mul: Stages must be 3 to 5.");
   end
+
+  typedef struct packed {
+    logic sign;
+    logic to_nan;
+    logic to_inf;
+  } side_t;
 
   logic [Latency-1:0] valid_q;
 
@@ -66,102 +87,151 @@ module ti_fp_mul #(
     end
   end
 
-  // Step 1: product; exponent of its top bit.
-  logic [ProdBits-1:0] prod_q;
-  logic signed [SumExpBits-1:0] prod_exp_q;
-  logic prod_sign_q, prod_nan_q, prod_inf_q;
+  // Registers behind each step; those of a step of latency 0 are not used.
+  logic [SigBits-1:0] unpack_a_q;
+  logic [SigBits-1:0] unpack_b_q;
+  logic [SumExpBits-1:0] unpack_exp_q;  // of the product's top bit, two's complement
+  side_t unpack_side_q;
 
+  logic [SigBits+LowBits-1:0] halves_low_q;
+  logic [SigBits+HighBits-1:0] halves_high_q;
+  logic [CountBits-1:0] halves_count_q;
+  logic [SumExpBits-1:0] halves_exp_q;
+  side_t halves_side_q;
+
+  logic [ProdBits-1:0] product_q;
+  logic [CountBits-1:0] product_count_q;
+  logic [SumExpBits-1:0] product_exp_q;
+  side_t product_side_q;
+
+  logic [MagBits-1:0] shift_mag_q;
+  logic shift_guard_q, shift_sticky_q;
+  side_t shift_side_q;
+
+  // The last stage first: registers are read before they are written, and a simulator keeps no copy.
   always_ff @(posedge clk_i) begin
-    if (valid_i) begin
-      automatic logic [ExpBits-1:0] exp_a = a_i[FracBits+:ExpBits];
-      automatic logic [ExpBits-1:0] exp_b = b_i[FracBits+:ExpBits];
-      automatic logic [FracBits-1:0] frac_a = a_i[FracBits-1:0];
-      automatic logic [FracBits-1:0] frac_b = b_i[FracBits-1:0];
-      automatic logic max_a = &exp_a;
-      automatic logic max_b = &exp_b;
+    automatic logic [Latency-1:0] valid;
+    automatic side_t side;
+    automatic logic [ExpBits-1:0] exp_a, exp_b;
+    automatic logic [FracBits-1:0] frac_a, frac_b;
+    automatic logic max_a, max_b;
+    automatic logic [SigBits-1:0] sig_a, sig_b, left;
+    automatic logic [SigBits+LowBits-1:0] low;
+    automatic logic [SigBits+HighBits-1:0] high;
+    automatic logic [CountBits-1:0] count;
+    automatic logic [SumExpBits-1:0] exponent;
+    automatic logic [SumExpBits-1:0] distance;
+    automatic logic [ShiftBits-1:0] shift;
+    automatic logic [ProdBits-1:0] product;
+    automatic logic zero, top, moves, up;
 
-      prod_q <= ProdBits'({exp_a != '0, frac_a}) * ProdBits'({exp_b != '0, frac_b});
-      // Exponent 0 has the scale of exponent 1.
-      prod_exp_q <= SumExpBits'(exp_a) + SumExpBits'(exp_b) + SumExpBits'(exp_a == '0)
-          + SumExpBits'(exp_b == '0) - SumExpBits'(Bias - 1);
-      prod_sign_q <= a_i[Width-1] ^ b_i[Width-1];
-      prod_inf_q <= max_a || max_b;
-      prod_nan_q <= (max_a && frac_a != '0) || (max_b && frac_b != '0)
-          || (max_a && b_i[MagBits-1:0] == '0) || (max_b && a_i[MagBits-1:0] == '0);
-    end
-  end
+    valid = {valid_q[Latency-2:0], valid_i};
+    if (valid != '0) begin
+      for (int k = int'(Latency) - 1; k >= 0; k--) begin
+        // Unpack: significands with their leading bit; exponent 0 has the scale of exponent 1.
+        if (k == 0 && valid[k]) begin
+          exp_a = a_i[FracBits+:ExpBits];
+          exp_b = b_i[FracBits+:ExpBits];
+          frac_a = a_i[FracBits-1:0];
+          frac_b = b_i[FracBits-1:0];
+          max_a = &exp_a;
+          max_b = &exp_b;
+          sig_a = {exp_a != '0, frac_a};
+          sig_b = {exp_b != '0, frac_b};
+          side.sign = a_i[Width-1] ^ b_i[Width-1];
+          side.to_inf = max_a || max_b;
+          side.to_nan = (max_a && frac_a != '0) || (max_b && frac_b != '0)
+              || (max_a && b_i[MagBits-1:0] == '0) || (max_b && a_i[MagBits-1:0] == '0);
+          exponent = SumExpBits'(exp_a) + SumExpBits'(exp_b) + SumExpBits'(exp_a == '0)
+              + SumExpBits'(exp_b == '0) - SumExpBits'(Bias - 1);
+          unpack_a_q <= sig_a;
+          unpack_b_q <= sig_b;
+          unpack_exp_q <= exponent;
+          unpack_side_q <= side;
+        end
 
-  // Step 2: one shift.
-  logic [MagBits-1:0] norm_mag_q;
-  logic norm_guard_q, norm_sticky_q, norm_inf_q, norm_sign_q, norm_nan_q;
+        // Halves of the product.  Count: leading zeros of the one significand that may have some when
+        // the product moves left.  A one at the place that would become exponent 1 ends the count.
+        if (k == int'(HalvesStage) && valid[k]) begin
+          if (UnpackLatency != 0) begin
+            sig_a = unpack_a_q;
+            sig_b = unpack_b_q;
+            side = unpack_side_q;
+            exponent = unpack_exp_q;
+          end
+          low   = (SigBits + LowBits)'(sig_a) * (SigBits + LowBits)'(sig_b[LowBits-1:0]);
+          high  = (SigBits + HighBits)'(sig_a) * (SigBits + HighBits)'(sig_b[SigBits-1:LowBits]);
+          count = '0;
+          if (!(sig_a[SigBits-1] && sig_b[SigBits-1])) begin
+            distance = exponent - SumExpBits'(1);
+            left = {1'b1, {(SigBits - 1) {1'b0}}} >> CountBits'(distance);
+            left = left & {SigBits{32'(distance) < SigBits}};
+            left = left | (sig_a[SigBits-1] ? sig_b : sig_a);
+            for (int i = int'(CountBits) - 1; i >= 0; i--) begin
+              zero  = (left >> (SigBits - (1 << i))) == '0;
+              count = count | (CountBits'(zero) << i);
+              left  = left << (CountBits'(zero) << i);
+            end
+          end
+          halves_low_q   <= low;
+          halves_high_q  <= high;
+          halves_count_q <= count;
+          halves_exp_q   <= exponent;
+          halves_side_q  <= side;
+        end
 
-  /// {exponent field, product} with the product moved left by its leading zeros, or as far as
-  /// exponent 1.  For a positive exponent.
-  ///
-  /// A step of 2^i places is written without a branch, which a simulator would guess wrong.
-  function automatic logic [SumExpBits+ProdBits-1:0] normalise(
-      logic signed [SumExpBits-1:0] exponent, logic [ProdBits-1:0] product);
-    logic [SumExpBits-1:0] exp_left;
-    logic [ProdBits-1:0] prod_left;
-    logic [NormSteps-1:0] step;
-    logic moves;
-    exp_left  = exponent;
-    prod_left = product;
-    for (int i = NormSteps - 1; i >= 0; i--) begin
-      moves = (prod_left >> (ProdBits - (1 << i))) == '0 && 32'(exp_left) > (1 << i);
-      step = NormSteps'(moves) << i;
-      exp_left = exp_left - SumExpBits'(step);
-      prod_left = prod_left << step;
-    end
-    return {prod_left[ProdBits-1] ? exp_left : SumExpBits'(0), prod_left};
-  endfunction
+        // Product: in one piece unless its halves stand in registers.
+        if (k == int'(ProductStage) && valid[k]) begin
+          if (HalvesLatency != 0) begin
+            product_q <= ProdBits'(halves_low_q) + {halves_high_q, {LowBits{1'b0}}};
+            product_count_q <= halves_count_q;
+            product_exp_q <= halves_exp_q;
+            product_side_q <= halves_side_q;
+          end else begin
+            product_q <= ProdBits'(sig_a) * ProdBits'(sig_b);
+            product_count_q <= count;
+            product_exp_q <= exponent;
+            product_side_q <= side;
+          end
+        end
 
-  /// {0, product} with the product moved right to exponent 1; what leaves is kept in its lowest bit.
-  /// For an exponent of 0 or less.
-  function automatic logic [SumExpBits+ProdBits-1:0] denormalise(
-      logic signed [SumExpBits-1:0] exponent, logic [ProdBits-1:0] product);
-    logic [SumExpBits-1:0] distance;
-    logic [ShiftBits-1:0] shift;
-    logic lost;
-    distance = SumExpBits'(1) - exponent;
-    shift = 32'(distance) > ShiftMax ? ShiftBits'(ShiftMax) : ShiftBits'(distance);
-    lost = |(product[ShiftMax-1:0] & ~({ShiftMax{1'b1}} << shift));
-    return {SumExpBits'(0), (product >> shift) | ProdBits'(lost)};
-  endfunction
+        // Shift: left by the count and once more where the top bit is still 0 and the exponent allows;
+        // or right to exponent 1, what leaves being kept in the lowest bit.
+        if (k == int'(ShiftStage) && valid[k]) begin
+          side = product_side_q;
+          exponent = product_exp_q;
+          if (!exponent[SumExpBits-1] && exponent != '0) begin
+            product = product_q << product_count_q;
+            exponent = exponent - SumExpBits'(product_count_q);
+            top = product[ProdBits-1];
+            moves = !top && exponent != SumExpBits'(1);
+            product = product << moves;
+            exponent = (top || product[ProdBits-1]) ? exponent - SumExpBits'(moves) : '0;
+          end else begin
+            distance = SumExpBits'(1) - exponent;
+            shift = 32'(distance) > ShiftMax ? ShiftBits'(ShiftMax) : ShiftBits'(distance);
+            zero = (product_q[ShiftMax-1:0] & ~({ShiftMax{1'b1}} << shift)) == '0;
+            product = (product_q >> shift) | ProdBits'(!zero);
+            exponent = '0;
+          end
+          shift_mag_q <= {exponent[ExpBits-1:0], product[ProdBits-2-:FracBits]};
+          shift_guard_q <= product[ProdBits-2-FracBits];
+          shift_sticky_q <= |product[ProdBits-3-FracBits:0];
+          side.to_inf = side.to_inf || 32'(exponent) >= ExpMax;
+          shift_side_q <= side;
+        end
 
-  /// `normalise` or `denormalise`, as the exponent asks.
-  function automatic logic [SumExpBits+ProdBits-1:0] shifted(logic signed [SumExpBits-1:0] exponent,
-                                                             logic [ProdBits-1:0] product);
-    logic [SumExpBits+ProdBits-1:0] result;
-    if (exponent > 0) result = normalise(exponent, product);
-    else result = denormalise(exponent, product);
-    return result;
-  endfunction
-
-  always_ff @(posedge clk_i) begin
-    if (valid_q[0]) begin
-      automatic logic [SumExpBits+ProdBits-1:0] normal = shifted(prod_exp_q, prod_q);
-
-      norm_mag_q <= {normal[ProdBits+:ExpBits], normal[ProdBits-2-:FracBits]};
-      norm_guard_q <= normal[ProdBits-2-FracBits];
-      norm_sticky_q <= |normal[ProdBits-3-FracBits:0];
-      norm_inf_q <= prod_inf_q || 32'(normal[ProdBits+:SumExpBits]) >= ExpMax;
-      norm_sign_q <= prod_sign_q;
-      norm_nan_q <= prod_nan_q;
-    end
-  end
-
-  // Step 3: round.  A carry out of the fraction is the right exponent, up to infinity.
-  always_ff @(posedge clk_i) begin
-    if (valid_q[1]) begin
-      automatic logic norm_up = norm_guard_q && (norm_sticky_q || norm_mag_q[0]);
-
-      if (norm_nan_q) begin
-        result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
-      end else if (norm_inf_q) begin
-        result_o <= {norm_sign_q, {ExpBits{1'b1}}, {FracBits{1'b0}}};
-      end else begin
-        result_o <= {norm_sign_q, norm_mag_q + MagBits'(norm_up)};
+        // Round: a carry out of the fraction is the right exponent, up to infinity.
+        if (k == int'(RoundStage) && valid[k]) begin
+          up = shift_guard_q && (shift_sticky_q || shift_mag_q[0]);
+          if (shift_side_q.to_nan) begin
+            result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
+          end else if (shift_side_q.to_inf) begin
+            result_o <= {shift_side_q.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+          end else begin
+            result_o <= {shift_side_q.sign, shift_mag_q + MagBits'(up)};
+          end
+        end
       end
     end
   end

@@ -2,22 +2,27 @@
 
 /// Latencies in cycles of the floating-point operators, for the pipelines built from them.
 ///
-/// The operators check their own sum of steps against these values.
+/// They follow the configuration.  The operators check their own sum of steps against the stages
+/// that they are asked for.
 package ti_fp_pkg;
 
-  /// `ti_fp_add`: order, align and add, normalise, round.
-  localparam int unsigned AddLatency = 4;
+  /// `ti_fp_add`.
+  localparam int unsigned AddLatency = ti_config_pkg::FpAddStages;
 
-  /// `ti_fp_mul`: multiply, normalise, round.
-  localparam int unsigned MulLatency = 3;
+  /// `ti_fp_mul`.
+  localparam int unsigned MulLatency = ti_config_pkg::FpMulStages;
 
   /// Quotient bits that `ti_fp_rcp` finds in one stage unless its parameter says otherwise.
-  localparam int unsigned RcpBitsPerStage = 2;
+  localparam int unsigned RcpBitsPerStage = ti_config_pkg::FpRcpBitsPerStage;
 
-  /// `ti_fp_rcp`: unpack, ceil((frac_bits + 2) / bits_per_stage) digit stages, round.
+  /// Stages of `ti_fp_rcp` in front of and behind the quotient, unless its parameter says otherwise.
+  localparam int unsigned RcpEndStages = ti_config_pkg::FpRcpEndStages;
+
+  /// `ti_fp_rcp`: `end_stages`, and ceil((frac_bits + 2) / bits_per_stage) for the quotient.
   function automatic int unsigned rcp_latency(int unsigned frac_bits,
-                                              int unsigned bits_per_stage = RcpBitsPerStage);
-    return 2 + (frac_bits + 1 + bits_per_stage) / bits_per_stage;
+                                              int unsigned bits_per_stage = RcpBitsPerStage,
+                                              int unsigned end_stages = RcpEndStages);
+    return end_stages + (frac_bits + 1 + bits_per_stage) / bits_per_stage;
   endfunction
 
 endpackage : ti_fp_pkg

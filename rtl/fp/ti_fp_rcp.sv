@@ -2,21 +2,26 @@
 
 /// Floating-point 1 / a, correctly rounded.
 ///
-/// Latency `ti_fp_pkg::rcp_latency(FracBits, BitsPerStage)`, one result a cycle, never stalls.  All
-/// paths start and end in registers except the input.  A stage works only for a valid operand.
+/// Latency `ti_fp_pkg::rcp_latency(FracBits, BitsPerStage, EndStages)`, one result a cycle, never
+/// stalls.  All paths start and end in registers except the input.  A stage works only for a valid
+/// operand.  With 3 end stages the leading zeros of the operand are counted in a stage of their
+/// own, which leaves time for what the caller has in front; with 4 the quotient is shifted in one
+/// stage and rounded in the next.
 ///
-/// Error at most half a unit in the last place in every format: restoring long division, one
-/// quotient bit by each compare and subtract, remainder as sticky bit, one rounding to nearest
-/// even.  IEEE 754: subnormals kept on both sides; 1/0 is infinity and 1/infinity is zero, with the
-/// operand's sign; a subnormal operand whose inverse is out of range gives infinity; 1/NaN is the
-/// one quiet NaN (sign 0, fraction 10...0).
+/// Error at most half a unit in the last place in every format: restoring long division, one digit
+/// of `BitsPerStage` bits by comparing with all its multiples of the divisor at once, remainder as
+/// sticky bit, one rounding to nearest even.  IEEE 754: subnormals kept on both sides; 1/0 is
+/// infinity and 1/infinity is zero, with the operand's sign; a subnormal operand whose inverse is
+/// out of range gives infinity; 1/NaN is the one quiet NaN (sign 0, fraction 10...0).
 module ti_fp_rcp #(
   /// Exponent bits, 3 to 8.
   parameter int unsigned ExpBits = 8,
   /// Stored fraction bits, 2 to 23.
   parameter int unsigned FracBits = 23,
-  /// Quotient bits found in one stage, at least 1.
+  /// Quotient bits found in one stage, 1 to 3.
   parameter int unsigned BitsPerStage = ti_fp_pkg::RcpBitsPerStage,
+  /// Stages in front of and behind the quotient, 2 to 4.
+  parameter int unsigned EndStages = ti_fp_pkg::RcpEndStages,
   localparam int unsigned Width = 1 + ExpBits + FracBits
 ) (
   input logic clk_i,
@@ -31,15 +36,26 @@ module ti_fp_rcp #(
 
   localparam int unsigned SigBits = FracBits + 1;
   // With the significand m in [1, 2), 1/m has its top bit at weight 1 or 1/2: below the integer bit
-  // come FracBits + 1 significand bits and the guard bit, rounded up to whole stages.
-  localparam int unsigned UnpackLatency = 1;
+  // come FracBits + 1 significand bits and the guard bit, rounded up to whole stages.  A step of
+  // latency 0 is done in the stage of the next one.
+  localparam int unsigned CountLatency = (EndStages >= 3) ? 1 : 0;
+  localparam int unsigned ScaleLatency = 1;
   localparam int unsigned DigitLatency = (FracBits + 1 + BitsPerStage) / BitsPerStage;
+  localparam int unsigned PlaceLatency = (EndStages >= 4) ? 1 : 0;
   localparam int unsigned RoundLatency = 1;
-  localparam int unsigned Latency = UnpackLatency + DigitLatency + RoundLatency;
+
+  // The stage of each step; that of counting is 0.
+  localparam int unsigned ScaleStage = CountLatency;
+  localparam int unsigned DigitStage = ScaleStage + ScaleLatency;
+  localparam int unsigned PlaceStage = DigitStage + DigitLatency;
+  localparam int unsigned RoundStage = PlaceStage + PlaceLatency;
+  localparam int unsigned Latency = RoundStage + RoundLatency;
 
   localparam int unsigned MagBits = ExpBits + FracBits;
   localparam int unsigned QuotBits = 1 + DigitLatency * BitsPerStage;
-  localparam int unsigned NormSteps = $clog2(SigBits);
+  localparam int unsigned Radix = 1 << BitsPerStage;
+  localparam int unsigned TrialBits = SigBits + BitsPerStage + 1;
+  localparam int unsigned CountBits = $clog2(SigBits);
   // Enough for the signed exponent of 1/a, subnormal operands included.
   localparam int unsigned WideExpBits = 10;
   localparam int signed Bias = (1 << (ExpBits - 1)) - 1;
@@ -51,10 +67,13 @@ module ti_fp_rcp #(
   if (FracBits < 2 || FracBits > 23) begin : gen_check_frac_bits
     $error("ti_fp_rcp: FracBits must be 2 to 23.");
   end
-  if (BitsPerStage < 1) begin : gen_check_bits_per_stage
-    $error("ti_fp_rcp: BitsPerStage must be at least 1.");
+  if (BitsPerStage < 1 || BitsPerStage > 3) begin : gen_check_bits_per_stage
+    $error("ti_fp_rcp: BitsPerStage must be 1 to 3.");
   end
-  if (Latency != ti_fp_pkg::rcp_latency(FracBits, BitsPerStage)) begin : gen_check_latency
+  if (EndStages < 2 || EndStages > 4) begin : gen_check_end_stages
+    $error("ti_fp_rcp: EndStages must be 2 to 4.");
+  end
+  if (Latency != ti_fp_pkg::rcp_latency(FracBits, BitsPerStage, EndStages)) begin : gen_check_sum
     $error("ti_fp_rcp: Latency is not that of ti_fp_pkg.");
   end
 
@@ -76,108 +95,148 @@ module ti_fp_rcp #(
     end
   end
 
-  // Registers in front of digit stage i; the last ones are in front of the rounding.
+  // Registers behind each step; those of a step of latency 0 are not used.
+  logic [SigBits-1:0] count_sig_q;
+  logic [CountBits-1:0] count_q;
+  side_t count_side_q;
+
+  // In front of digit stage i; the last ones are behind the digits.
   logic [SigBits-1:0] divisor_q[DigitLatency+1];
   logic [SigBits-1:0] remainder_q[DigitLatency+1];
   logic [QuotBits-1:0] quotient_q[DigitLatency+1];
   side_t side_q[DigitLatency+1];
 
-  /// {exponent field of 1/a when 1/m < 1, significand m without leading zeros}; anything for zero.
-  function automatic logic [WideExpBits+SigBits-1:0] normalise(logic [ExpBits-1:0] exp_a,
-                                                               logic [FracBits-1:0] frac_a);
-    logic [WideExpBits-1:0] exp_rcp;
-    logic [SigBits-1:0] sig_left;
-    // Exponent 0 has the scale of exponent 1.
-    exp_rcp  = WideExpBits'(2 * Bias - 1) - WideExpBits'(exp_a == '0 ? ExpBits'(1) : exp_a);
-    sig_left = {exp_a != '0, frac_a};
-    for (int i = NormSteps - 1; i >= 0; i--) begin
-      if ((sig_left >> (SigBits - (1 << i))) == '0) begin
-        exp_rcp  = exp_rcp + WideExpBits'(1 << i);
-        sig_left = sig_left << (1 << i);
-      end
-    end
-    return {exp_rcp, sig_left};
-  endfunction
+  logic [MagBits-1:0] place_mag_q;
+  logic place_guard_q, place_sticky_q;
+  side_t place_side_q;
 
-  // Step 1: unpack and normalise; the integer bit of the quotient is 1 only for a power of two.
+  // In front of the digits; the last stage first, so that registers are read before they are written.
   always_ff @(posedge clk_i) begin
-    if (valid_i) begin
-      automatic logic [ExpBits-1:0] exp_a = a_i[FracBits+:ExpBits];
-      automatic logic [FracBits-1:0] frac_a = a_i[FracBits-1:0];
-      automatic logic [WideExpBits+SigBits-1:0] normal = normalise(exp_a, frac_a);
-      automatic logic one = normal[FracBits-1:0] == '0;
+    automatic side_t side;
+    automatic logic [ExpBits-1:0] exp_a;
+    automatic logic [FracBits-1:0] frac_a;
+    automatic logic [SigBits-1:0] sig, left;
+    automatic logic [CountBits-1:0] count;
+    automatic logic zero, one;
 
-      divisor_q[0] <= normal[SigBits-1:0];
-      remainder_q[0] <= {!one, {FracBits{1'b0}}};
-      quotient_q[0] <= QuotBits'(one);
-      side_q[0] <= '{
-          sign: a_i[Width-1],
-          to_nan: (&exp_a) && frac_a != '0,
-          to_inf: a_i[MagBits-1:0] == '0,
-          to_zero: (&exp_a) && frac_a == '0,
-          exponent: normal[SigBits+:WideExpBits]
-      };
+    for (int k = int'(DigitStage) - 1; k >= 0; k--) begin
+      // Count: leading zeros of the significand.  Exponent 0 has the scale of exponent 1.
+      if (k == 0 && valid_i) begin
+        exp_a = a_i[FracBits+:ExpBits];
+        frac_a = a_i[FracBits-1:0];
+        sig = {exp_a != '0, frac_a};
+        left = sig;
+        count = '0;
+        for (int i = int'(CountBits) - 1; i >= 0; i--) begin
+          zero  = (left >> (SigBits - (1 << i))) == '0;
+          count = count | (CountBits'(zero) << i);
+          left  = left << (CountBits'(zero) << i);
+        end
+        side = '{
+            sign: a_i[Width-1],
+            to_nan: (&exp_a) && frac_a != '0,
+            to_inf: a_i[MagBits-1:0] == '0,
+            to_zero: (&exp_a) && frac_a == '0,
+            exponent: WideExpBits'(2 * Bias - 1) - WideExpBits'(exp_a | ExpBits'(exp_a == '0))
+        };
+        count_sig_q <= sig;
+        count_q <= count;
+        count_side_q <= side;
+      end
+
+      // Scale: the significand m without leading zeros (anything for zero).  The integer bit of the
+      // quotient is 1 only for a power of two.
+      if (k == int'(ScaleStage) && ((CountLatency == 0) ? valid_i : valid_q[0])) begin
+        if (CountLatency != 0) begin
+          sig   = count_sig_q;
+          count = count_q;
+          side  = count_side_q;
+        end
+        left = sig << count;
+        one = left[FracBits-1:0] == '0;
+        side.exponent = side.exponent + WideExpBits'(count);
+        divisor_q[0] <= left;
+        remainder_q[0] <= {!one, {FracBits{1'b0}}};
+        quotient_q[0] <= QuotBits'(one);
+        side_q[0] <= side;
+      end
     end
   end
 
-  // Step 2: long division.  Always 0 <= remainder < divisor.
-
-  /// {quotient, remainder} after `BitsPerStage` more bits.
-  function automatic logic [QuotBits+SigBits-1:0] divide(
-      logic [QuotBits-1:0] quotient, logic [SigBits-1:0] remainder, logic [SigBits-1:0] divisor);
-    logic [QuotBits-1:0] quotient_left;
-    logic [SigBits:0] remainder_left;
-    logic fits;
-    quotient_left  = quotient;
-    remainder_left = {1'b0, remainder};
-    for (int i = 0; i < BitsPerStage; i++) begin
-      remainder_left = remainder_left << 1;
-      fits = remainder_left >= {1'b0, divisor};
-      if (fits) remainder_left = remainder_left - {1'b0, divisor};
-      quotient_left = {quotient_left[QuotBits-2:0], fits};
-    end
-    return {quotient_left, remainder_left[SigBits-1:0]};
-  endfunction
-
+  // Digits: always 0 <= remainder < divisor.
   for (genvar i = 0; i < DigitLatency; i++) begin : gen_digit
     always_ff @(posedge clk_i) begin
-      if (valid_q[i]) begin
-        {quotient_q[i+1], remainder_q[i+1]} <= divide(quotient_q[i], remainder_q[i], divisor_q[i]);
+      automatic logic [BitsPerStage-1:0] digit;
+      automatic logic [SigBits-1:0] left;
+      automatic logic [TrialBits-1:0] trial;
+
+      if (valid_q[DigitStage+i-1]) begin
+        digit = '0;
+        left  = remainder_q[i] << BitsPerStage;
+        for (int unsigned k = 1; k < Radix; k++) begin
+          trial = TrialBits'({remainder_q[i], {BitsPerStage{1'b0}}})
+              - TrialBits'(k) * TrialBits'(divisor_q[i]);
+          if (!trial[TrialBits-1]) begin
+            digit = BitsPerStage'(k);
+            left  = trial[SigBits-1:0];
+          end
+        end
+        quotient_q[i+1] <= {quotient_q[i][QuotBits-BitsPerStage-1:0], digit};
+        remainder_q[i+1] <= left;
         divisor_q[i+1] <= divisor_q[i];
         side_q[i+1] <= side_q[i];
       end
     end
   end
 
-  // Step 3: the exponent is at least -1, so a subnormal result is one or two places away; round.
-
-  /// 1/m at its exponent, rounded and packed.
-  function automatic logic [Width-1:0] pack(side_t side, logic [QuotBits-1:0] quotient,
-                                            logic [SigBits-1:0] remainder);
-    logic signed [WideExpBits-1:0] exponent;
-    logic [QuotBits+1:0] shifted;
-    logic [MagBits-1:0] mag;
-    logic [Width-1:0] result;
-    logic guard, sticky;
-    exponent = side.exponent + WideExpBits'(quotient[QuotBits-1]);
-    shifted  = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
-    if (exponent == 0) shifted = shifted >> 1;
-    if (exponent < 0) shifted = shifted >> 2;
-    mag = {shifted[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), shifted[QuotBits-:FracBits]};
-    guard = shifted[QuotBits-FracBits];
-    sticky = (|shifted[QuotBits-FracBits-1:0]) || remainder != '0;
-    result = {side.sign, mag + MagBits'(guard && (sticky || mag[0]))};
-    if (side.to_inf || 32'(exponent) >= ExpMax) begin
-      result = {side.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
-    end
-    if (side.to_zero) result = {side.sign, {MagBits{1'b0}}};
-    if (side.to_nan) result = {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
-    return result;
-  endfunction
-
+  // Behind the digits.
   always_ff @(posedge clk_i) begin
-    if (valid_q[DigitLatency]) begin
-      result_o <= pack(side_q[DigitLatency], quotient_q[DigitLatency], remainder_q[DigitLatency]);
+    automatic side_t side;
+    automatic logic [QuotBits-1:0] quotient;
+    automatic logic signed [WideExpBits-1:0] exponent;
+    automatic logic [QuotBits+1:0] placed;
+    automatic logic [MagBits-1:0] mag;
+    automatic logic guard, sticky;
+
+    for (int k = int'(Latency) - 1; k >= int'(PlaceStage); k--) begin
+      // Place: the exponent is at least -1, so a subnormal result is one or two places away.
+      if (k == int'(PlaceStage) && valid_q[PlaceStage-1]) begin
+        side = side_q[DigitLatency];
+        quotient = quotient_q[DigitLatency];
+        exponent = side.exponent + WideExpBits'(quotient[QuotBits-1]);
+        placed = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
+        if (exponent == 0) placed = placed >> 1;
+        if (exponent < 0) placed = placed >> 2;
+        side.to_inf = side.to_inf || 32'(exponent) >= ExpMax;
+        mag = {
+          placed[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), placed[QuotBits-:FracBits]
+        };
+        guard = placed[QuotBits-FracBits];
+        sticky = (|placed[QuotBits-FracBits-1:0]) || remainder_q[DigitLatency] != '0;
+        place_mag_q <= mag;
+        place_guard_q <= guard;
+        place_sticky_q <= sticky;
+        place_side_q <= side;
+      end
+
+      // Round and pack.
+      if (k == int'(RoundStage) && valid_q[RoundStage-1]) begin
+        if (PlaceLatency != 0) begin
+          mag = place_mag_q;
+          guard = place_guard_q;
+          sticky = place_sticky_q;
+          side = place_side_q;
+        end
+        if (side.to_nan) begin
+          result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
+        end else if (side.to_zero) begin
+          result_o <= {side.sign, {MagBits{1'b0}}};
+        end else if (side.to_inf) begin
+          result_o <= {side.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+        end else begin
+          result_o <= {side.sign, mag + MagBits'(guard && (sticky || mag[0]))};
+        end
+      end
     end
   end
 

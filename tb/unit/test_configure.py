@@ -58,6 +58,14 @@ def test_unchanged_files_keep_their_date(tmp_path):
         ("exp_bits=9", "3 to 8"),
         ("frac_bits=1", "2 to 23"),
         ("frac_bits=24", "2 to 23"),
+        ("fp_add_stages=3", "4 to 7"),
+        ("fp_add_stages=8", "4 to 7"),
+        ("fp_mul_stages=2", "3 to 5"),
+        ("fp_mul_stages=6", "3 to 5"),
+        ("fp_rcp_bits_per_stage=0", "1 to 3"),
+        ("fp_rcp_bits_per_stage=4", "1 to 3"),
+        ("fp_rcp_end_stages=1", "2 to 4"),
+        ("fp_rcp_end_stages=5", "2 to 4"),
         ("num_trv=0", "1 to 256"),
         ("num_list=2", "at most num_trv, 1"),
         ("trv_slots=24", "power of two from 2 to 256"),
@@ -84,6 +92,16 @@ def test_an_impossible_value_names_file_key_and_range(override, allowed, tmp_pat
     assert re.search(rf"\b{override.split('=')[0]}\b", result.stderr)
     assert allowed in result.stderr
     assert not out.exists()
+
+
+def test_an_adder_deeper_than_the_reciprocal_is_named(tmp_path):
+    values = ["frac_bits=2", "fp_rcp_bits_per_stage=3", "fp_add_stages=5"]
+    result = configure("tiny", *values, "--out", tmp_path / "config")
+    assert result.returncode == 2
+    assert (
+        "fp_add_stages is 5, but must be at most the stages of the reciprocal, 4" in result.stderr
+    )
+    assert not (tmp_path / "config").exists()
 
 
 @pytest.mark.parametrize("override", ["num_trv", "num_trv=two", "num_trv=", "num_trv=1.5"])

@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_fp_mul` gives the rounded product of every pair after `Latency` cycles, one a cycle."""
+"""`ti_fp_mul` gives the rounded product of every pair after `Stages` cycles, one a cycle."""
 
 import pytest
 from agents.bench import run
 
 FORMATS = [(3, 2), (7, 16), (8, 23)]
 
+STAGES = [3, 4, 5]
 
+
+@pytest.mark.parametrize("stages", STAGES)
 @pytest.mark.parametrize(("exp_bits", "frac_bits"), FORMATS)
-def test_ti_fp_mul(exp_bits, frac_bits):
-    run("ti_fp_mul", "fp_operator_claims", ExpBits=exp_bits, FracBits=frac_bits)
+def test_ti_fp_mul(exp_bits, frac_bits, stages):
+    run(
+        "ti_fp_mul",
+        "fp_operator_claims",
+        ExpBits=exp_bits,
+        FracBits=frac_bits,
+        Stages=stages,
+    )

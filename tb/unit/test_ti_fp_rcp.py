@@ -6,18 +6,21 @@ from agents.bench import run
 
 FORMATS = [(3, 2), (7, 16), (8, 23)]
 
+STAGES = [(2, 2), (2, 3), (3, 4)]  # bits a stage, end stages
 
+
+@pytest.mark.parametrize(("bits_per_stage", "end_stages"), STAGES)
 @pytest.mark.parametrize(("exp_bits", "frac_bits"), FORMATS)
-def test_ti_fp_rcp(exp_bits, frac_bits):
-    run("ti_fp_rcp", "fp_operator_claims", ExpBits=exp_bits, FracBits=frac_bits)
-
-
-@pytest.mark.parametrize("bits_per_stage", [1, 3])
-def test_ti_fp_rcp_with_other_stages(bits_per_stage):
+def test_ti_fp_rcp(exp_bits, frac_bits, bits_per_stage, end_stages):
     run(
         "ti_fp_rcp",
         "fp_operator_claims",
-        ExpBits=7,
-        FracBits=16,
+        ExpBits=exp_bits,
+        FracBits=frac_bits,
         BitsPerStage=bits_per_stage,
+        EndStages=end_stages,
     )
+
+
+def test_ti_fp_rcp_with_one_bit_a_stage():
+    run("ti_fp_rcp", "fp_operator_claims", ExpBits=7, FracBits=16, BitsPerStage=1)
