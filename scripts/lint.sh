@@ -23,13 +23,14 @@ elaborate() {
   # shellcheck disable=SC2086  # a name and overrides
   python scripts/configure.py $1 --out build/lint/config &&
     verilator --lint-only -Wall --quiet-stats -Irtl/common lint/verilator.vlt \
-      build/lint/config/ti_config_pkg.sv -f rtl/ti.f --top-module ti_core
+      build/lint/config/ti_config_pkg.sv build/lint/config/ti_count_pkg.sv -f rtl/ti.f --top-module ti_engine
 }
 
 rtl=$(find rtl tb sim -name '*.sv' -o -name '*.svh' | sort)
 cpp=$(find sw sim tb -name '*.cpp' -o -name '*.hpp' | sort)
 
-for config in tiny small paper "tiny exp_bits=7 frac_bits=16"; do
+for config in tiny small paper "tiny exp_bits=7 frac_bits=16" \
+  "tiny cores=3 num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0"; do
   check "verilator -Wall, $config" elaborate "$config"
 done
 # shellcheck disable=SC2086  # lists of files without spaces

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Count the floating-point operators and the memory bits of the elaborated engine.
 
-Walks the instances of `ti_core` as the compiler slang elaborates them and sums, for each kind of
+Walks the instances of `ti_engine` as the compiler slang elaborates them and sums, for each kind of
 unit, the instances of `ti_fp_add`, `ti_fp_mul`, `ti_fp_rcp` and `ti_fp_cmp` and the bits of
 everything that an `always_ff` assigns.  The operators stand beside the published core (Nah et al.
 2011), whose counts for one unit are the budget; the memory beside its register files and
@@ -69,20 +69,20 @@ class Unit:
 
 
 def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymbol]:
-    """`ti_core` with the configuration `package`; the compiler's messages go to the terminal.
+    """`ti_engine` with the configuration `package`; the compiler's messages go to the terminal.
 
     The sources live in the driver, which the caller keeps as long as the instance.
     """
     slang = driver.Driver()
     slang.addStandardArgs()
-    sources = [package]
+    sources = [package, package.with_name("ti_count_pkg.sv")]
     include = []
     for line in (rtl / "ti.f").read_text().split():
         if line.startswith("+incdir+"):
             include.append(rtl.parent / line.removeprefix("+incdir+"))
         else:
             sources.append(rtl.parent / line)
-    options = ["--top", "ti_core", "-DSYNTHESIS", *(f"-I{path}" for path in include)]
+    options = ["--top", "ti_engine", "-DSYNTHESIS", *(f"-I{path}" for path in include)]
     words = ["slang", *options, *sources]
     good = slang.parseCommandLine(" ".join(f'"{word}"' for word in words))
     if not (good and slang.processOptions() and slang.parseAllSources()):
@@ -90,7 +90,7 @@ def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymb
     compilation = slang.createCompilation()
     slang.reportCompilation(compilation, True)
     if not slang.reportDiagnostics(True):
-        raise DesignError(f"{rtl}/ti.f: ti_core does not elaborate; the messages above say where")
+        raise DesignError(f"{rtl}/ti.f: ti_engine does not elaborate; the messages above say where")
     return slang, compilation.getRoot().topInstances[0]
 
 
@@ -160,9 +160,9 @@ def signature(body):
 
 def store_kind(modules: list[str], instance: str, name: str, is_array: bool) -> str:
     """Which of STORES a variable is, from the modules around it and the instance it is in."""
-    if name == "counters_o":
-        return "counters"
     module = modules[-1]
+    if module == "ti_counters":
+        return "counters"
     if "ti_l1" in modules and not (module == "ti_ram_1r1w" and not is_array):
         return "l1_lines" if instance == "u_lines" else "l1_tags"
     if module == "ti_delay":

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Read the engine as a synthesis tool does: no latch, no combinational loop, one driver a wire.
 
-Yosys with its slang front end elaborates `ti_core` and each unit of a configuration, flattened, so
+Yosys with its slang front end elaborates `ti_engine` and each unit of a configuration, flattened, so
 that loops through several modules are seen.  The longer form also lists the memories (a clocked
 read port can be block RAM, an asynchronous one is distributed RAM) and maps the operators, or the
 unit named, to Lattice ECP5 for cell counts.
@@ -38,12 +38,12 @@ def cached(unit: str) -> dict[str, str]:
 
 
 STEPS = {"StackDepth": "stack_depth", "WatchdogSteps": "watchdog_steps"}
-# What `ti_core` sets on its units; other modules are read with their defaults.
+# What `ti_engine` sets on its units; other modules are read with their defaults.
 PARAMETERS = {
     **dict.fromkeys(OPERATORS, FORMAT),
     "ti_rd": {"NumTrv": "num_trv", "DealTile": "deal_tile"},
     "ti_trv": {**cached("trv"), **STEPS},
-    "ti_trv_decide": STEPS,
+    "ti_kd_decide": STEPS,
     "ti_trv_return": {"NumSlots": "trv_slots"},
     "ti_list": cached("list"),
     "ti_ist1": cached("ist1"),
@@ -61,14 +61,14 @@ class Synthesis:
 
     def __init__(self, folder: Path, rtl: Path):
         self.config = json.loads((folder / "config.json").read_text())
-        self.package = folder / "ti_config_pkg.sv"
+        self.packages = [folder / "ti_config_pkg.sv", folder / "ti_count_pkg.sv"]
         self.rtl = rtl
         self.work = folder.parent / "synth"
         self.work.mkdir(parents=True, exist_ok=True)
 
     def read(self, module: str) -> str:
         """Yosys command that elaborates a module of the configuration."""
-        sources, options = [self.package], ["-DSYNTHESIS", f"--top {module}"]
+        sources, options = [*self.packages], ["-DSYNTHESIS", f"--top {module}"]
         for word in (self.rtl / "ti.f").read_text().split():
             if word.startswith("+incdir+"):
                 options.append(f"-I{self.rtl.parent / word.removeprefix('+incdir+')}")
@@ -196,7 +196,7 @@ def main() -> int:
 
     synthesis = Synthesis(arguments.config, arguments.rtl)
     bad = 0
-    for module in [unit] if unit else ["ti_core", *UNITS]:
+    for module in [unit] if unit else ["ti_engine", *UNITS]:
         problems = synthesis.check(module)
         bad += bool(problems)
         print(f"synth: {module}: {'NOT clean' if problems else 'no latch, no loop, one driver'}")
@@ -205,7 +205,7 @@ def main() -> int:
     if bad or arguments.quick:
         return 1 if bad else 0
 
-    memories = synthesis.memories(unit or "ti_core")
+    memories = synthesis.memories(unit or "ti_engine")
     if memories:
         print_memories(memories)
     cells = {module: synthesis.cells(module) for module in ([unit] if unit else OPERATORS)}

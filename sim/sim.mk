@@ -8,7 +8,8 @@ verilated := $(rtl_build)/verilated
 rtl_sources := $(wildcard rtl/*.sv rtl/*/*.sv rtl/*/*.svh rtl/*/*/*.sv) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
 harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp)) $(rtl_build)/obj/main.o
 
-VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 \
+# Without -fno-dfg and -fno-table the instances of a unit would not share their code (sim.vlt).
+VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 -fno-dfg -fno-table \
   --x-assign fast --x-initial fast $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
 HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
   -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd

@@ -31,18 +31,6 @@ module ti_step_log (
     on = $value$plusargs("log_ray=%d", wanted) != 0 && $value$plusargs("log_file=%s", path) != 0;
   end
 
-  function automatic void write_visit();
-    int file = $fopen(path, "a");
-    string side = push_i ? "both" : "near";
-    if (!push_i && next_node_i == far_i) side = "far";
-    if (end_node_i.axis == 2'd3) begin
-      $fdisplay(file, "node %0d leaf %0d exit %08x", end_index_i, end_node_i.link, tmax_i);
-    end else begin
-      $fdisplay(file, "node %0d t %08x %s", end_index_i, end_t_i, side);
-    end
-    $fclose(file);
-  endfunction
-
   always_ff @(posedge clk_i) begin
     if (on) begin
       if (start_i && ray_id_i == wanted) begin
@@ -51,7 +39,24 @@ module ti_step_log (
       end else if (start_i && here_q && new_slot_i == slot_q) begin
         here_q <= 1'b0;
       end
-      if (end_valid_i && here_q && end_slot_i == slot_q) write_visit();
+    end
+  end
+
+  // No function: one would keep the simulation's code of the TRVs from being shared.
+  always_ff @(posedge clk_i) begin
+    if (on && end_valid_i && here_q && end_slot_i == slot_q) begin : write_visit
+      int file;
+      file = $fopen(path, "a");
+      if (end_node_i.axis == 2'd3) begin
+        $fdisplay(file, "node %0d leaf %0d exit %08x", end_index_i, end_node_i.link, tmax_i);
+      end else if (push_i) begin
+        $fdisplay(file, "node %0d t %08x both", end_index_i, end_t_i);
+      end else if (next_node_i == far_i) begin
+        $fdisplay(file, "node %0d t %08x far", end_index_i, end_t_i);
+      end else begin
+        $fdisplay(file, "node %0d t %08x near", end_index_i, end_t_i);
+      end
+      $fclose(file);
     end
   end
 

@@ -67,7 +67,7 @@ module ti_engine #(
   // Rays inside, those in queues included.
   logic take, give, deal_ready;
   logic [31:0] inside_q;
-  logic flush, idle;
+  logic flush_q, flush, idle;
   ti_pkg::scene_t scene_q;
 
   assign ray_ready_o = deal_ready && !flush_q;
@@ -77,7 +77,6 @@ module ti_engine #(
   assign idle_o      = idle;
   assign flush       = flush_q && idle;
 
-  logic flush_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       flush_q  <= 1'b0;

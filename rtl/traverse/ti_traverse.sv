@@ -57,6 +57,9 @@ module ti_traverse #(
   logic [NumTrv:0] hit_valid, hit_ready, hit_lost;
   ti_pkg::hit_t hit_data[NumTrv+1];
 
+  ti_count_pkg::rd_events_t rd_events;
+  ti_count_pkg::trv_events_t trv_events[NumTrv];
+
   ti_rd #(
     .NumTrv  (NumTrv),
     .DealTile(ti_config_pkg::DealTile)
@@ -77,8 +80,6 @@ module ti_traverse #(
     .events_o        (rd_events)
   );
 
-  ti_count_pkg::rd_events_t rd_events;
-  ti_count_pkg::trv_events_t trv_events[NumTrv];
   always_comb begin
     rd_events_o = rd_events;
     if (hit_lost[NumTrv]) begin
