@@ -19,6 +19,7 @@ SEED ?=
 LOG_RAY ?=
 TEST ?=
 UNIT ?=
+QUICK ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -102,8 +103,8 @@ operators: $(config)/config.json ## FP operators and memory bits of CONFIG= besi
 synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
 	@python scripts/synth_check.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(OUT),--json $(OUT))
 
-mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name)
-	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)')
+mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1)
+	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)') $(if $(filter-out 0,$(QUICK)),--quick)
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh
