@@ -60,8 +60,6 @@ common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--s
   $(if $(LOG_RAY),--log-ray $(LOG_RAY))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
-# Whole-engine tests trace on these.
-test_configs := tiny small
 cases = $(or $(FILE),scenes/hardcases.jsonl)
 
 include sim/sim.mk
@@ -88,8 +86,8 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 	@build/fp/$(subst $(comma),-,$(FORMAT))/fp_rtl --testfloat $(FILE) --op $(OP)
 
 ##@ Check
-test: sw $(if $(TEST),,sanitized) ## Every check that CI runs (TEST=part_of_a_name for a few)
-	@$(foreach c,$(test_configs),$(MAKE) engine CONFIG=$(c) SET= &&) scripts/test.sh '$(TEST)'
+test: build/setup.stamp ## Every check that CI runs (TEST=part_of_a_name for a few)
+	@scripts/test.sh '$(TEST)'
 
 sim: check-unit model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
 	@pytest -s tb/unit/test_$(UNIT).py
