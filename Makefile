@@ -19,6 +19,7 @@ SEED ?=
 LOG_RAY ?=
 TEST ?=
 UNIT ?=
+QUICK ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -59,8 +60,6 @@ common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--s
   $(if $(LOG_RAY),--log-ray $(LOG_RAY))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
-# Whole-engine tests trace on these.
-test_configs := tiny small
 cases = $(or $(FILE),scenes/hardcases.jsonl)
 
 include sim/sim.mk
@@ -87,8 +86,8 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 	@build/fp/$(subst $(comma),-,$(FORMAT))/fp_rtl --testfloat $(FILE) --op $(OP)
 
 ##@ Check
-test: sw $(if $(TEST),,sanitized) ## Every check that CI runs (TEST=part_of_a_name for a few)
-	@$(foreach c,$(test_configs),$(MAKE) engine CONFIG=$(c) SET= &&) scripts/test.sh '$(TEST)'
+test: build/setup.stamp ## Every check that CI runs (TEST=part_of_a_name for a few)
+	@scripts/test.sh '$(TEST)'
 
 sim: check-unit model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
 	@pytest -s tb/unit/test_$(UNIT).py
@@ -102,8 +101,8 @@ operators: $(config)/config.json ## FP operators and memory bits of CONFIG= besi
 synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
 	@python scripts/synth_check.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(OUT),--json $(OUT))
 
-mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name)
-	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)')
+mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1)
+	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)') $(if $(filter-out 0,$(QUICK)),--quick)
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh

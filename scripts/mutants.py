@@ -4,12 +4,14 @@
 
 For each fault the unit tests that it names run on the copy, then the engine `tiny` in lock-step
 with the model on three short runs.  The unchanged copy goes first: a test that is red there proves
-nothing and is left out.  The RTL of the project itself is only read.
+nothing and is left out.  The project itself is only read.
+
+With --quick only the faults marked `quick` are tried, each up to the first check that finds it.
 
 Exit status: 0 when every fault is found, 1 when one survives, 2 when something could not be tried:
 the table is wrong, a test is red on the unchanged copy, or a fault does not build.
 
-Usage: scripts/mutants.py [--only PART_OF_A_NAME]
+Usage: scripts/mutants.py [--only PART_OF_A_NAME] [--quick]
 """
 
 import argparse
@@ -30,10 +32,11 @@ ROOT = Path(__file__).resolve().parents[1]
 TABLE = ROOT / "tb/mutants.yaml"
 WORK = ROOT / "build/mutants"
 SNAPSHOT = WORK / "snapshot"
-COPIED = ("rtl", "tb", "configs", "lint", "scripts", "sim", "Makefile", "pyproject.toml")
+NOT_COPIED = (".git", "__pycache__")
 TIMEOUT_S = 900  # of one command; a fault may well never end
 
-# What a copy takes from the project as it is, for `make`.
+# What copies take from the project as it is, by links; and what `make` must not build again there.
+LINKED = ("build/sw", "build/scenes")
 SHARED = ("build/setup.stamp", "build/sw/libti_sw.a")
 
 # Runs of `ti trace` on the engine: scene, further options.
@@ -54,7 +57,10 @@ class UselessError(Exception):
 
 @dataclass(frozen=True)
 class Mutant:
-    """One fault: `old` in `file` becomes `new`; `tests` are the unit tests that should find it."""
+    """One fault: `old` in `file` becomes `new`; `tests` are the unit tests that should find it.
+
+    Those that are `quick` are also tried by `make test`.
+    """
 
     name: str
     why: str
@@ -62,6 +68,7 @@ class Mutant:
     old: str
     new: str
     tests: tuple[str, ...]
+    quick: bool = False
 
     def apply(self, root: Path) -> None:
         """Change the file below `root`; the fault must fit exactly once."""
@@ -96,15 +103,17 @@ def load(path: Path = TABLE) -> list[Mutant]:
 def take_snapshot() -> None:
     """The project as it is now, which all copies are made from; it builds its own RTL."""
     shutil.rmtree(WORK, ignore_errors=True)
-    (SNAPSHOT / "build").mkdir(parents=True)
-    for name in COPIED:
-        source = ROOT / name
-        if source.is_dir():
-            shutil.copytree(source, SNAPSHOT / name, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy2(source, SNAPSHOT / name)
-    (SNAPSHOT / "sw").symlink_to(ROOT / "sw")
-    (SNAPSHOT / "build/sw").symlink_to(ROOT / "build/sw")
+    SNAPSHOT.mkdir(parents=True)
+
+    def left_out(folder: str, names: list[str]) -> set[str]:
+        return {
+            name for name in names if name in NOT_COPIED or Path(folder, name) == ROOT / "build"
+        }
+
+    shutil.copytree(ROOT, SNAPSHOT, symlinks=True, ignore=left_out, dirs_exist_ok=True)
+    (SNAPSHOT / "build").mkdir()
+    for name in LINKED:
+        (SNAPSHOT / name).symlink_to(ROOT / name)
     shutil.copy2(ROOT / "build/setup.stamp", SNAPSHOT / "build")
 
 
@@ -177,7 +186,7 @@ class Copy:
             raise UselessError("the engine does not build")
         scene, options = LOCK_STEP[name]
         command = ["build/tiny/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
-        command += ["--config", "build/tiny/config/config.json", "--scene", ROOT / scene]
+        command += ["--config", "build/tiny/config/config.json", "--scene", scene]
         command += ["--rays", "random:3000", "--out", "build/trace", *options]
         report = self.folder / "build/trace/report.json"
         report.unlink(missing_ok=True)
@@ -201,10 +210,13 @@ def only_memory_failed(report: Path) -> bool:
     return check["status"]["memory_error"] > 0 and not any(check[key] for key in bad)
 
 
-def try_out(name: str, checks: list[str], mutant: Mutant | None = None) -> dict[str, str]:
+def try_out(
+    name: str, checks: list[str], mutant: Mutant | None = None, quick: bool = False
+) -> dict[str, str]:
     """Run checks on a copy, with a fault or without: what each says that is not green.
 
-    A check that did not build or run says so in a sentence that begins with `!`.
+    A check that did not build or run says so in a sentence that begins with `!`.  When `quick`, the
+    first check that is red is the last.
     """
     begin = time.monotonic()
     folder = WORK / name
@@ -216,6 +228,8 @@ def try_out(name: str, checks: list[str], mutant: Mutant | None = None) -> dict[
     for check in checks:
         try:
             said[check] = here.check(check)
+            if quick and said[check]:
+                break
         except UselessError as error:
             said[check] = f"! {error}"
     said = {check: what for check, what in said.items() if what}
@@ -224,7 +238,7 @@ def try_out(name: str, checks: list[str], mutant: Mutant | None = None) -> dict[
     return said
 
 
-def run(mutants: list[Mutant]) -> int:
+def run(mutants: list[Mutant], quick: bool) -> int:
     """The exit status of all faults, each tried on its own."""
     take_snapshot()
     checks = list(dict.fromkeys(test for m in mutants for test in m.tests)) + list(LOCK_STEP)
@@ -234,7 +248,7 @@ def run(mutants: list[Mutant]) -> int:
     survivors = []
     for mutant in mutants:
         mine = [check for check in (*mutant.tests, *LOCK_STEP) if check not in useless]
-        said = try_out(mutant.name, mine, mutant)
+        said = try_out(mutant.name, mine, mutant, quick)
         sound = sound and not any(what.startswith("!") for what in said.values())
         if any(not what.startswith("!") for what in said.values()):
             shutil.rmtree(WORK / mutant.name)
@@ -251,12 +265,15 @@ def run(mutants: list[Mutant]) -> int:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", metavar="PART_OF_A_NAME", help="a regular expression")
+    parser.add_argument("--quick", action="store_true", help="only the faults marked `quick`")
     arguments = parser.parse_args()
     try:
         mutants = [mutant for mutant in load() if re.search(arguments.only, mutant.name)]
+        if arguments.quick:
+            mutants = [mutant for mutant in mutants if mutant.quick]
         if not mutants:
-            raise TableError(f"{arguments.only}: no fault of {TABLE} has this in its name")
-        return run(mutants)
+            raise TableError(f"{arguments.only}: no such fault in {TABLE}")
+        return run(mutants, arguments.quick)
     except TableError as error:
         print(error, file=sys.stderr)
         return 2

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <random>
 #include <vector>
 
 #include "common/format.hpp"
@@ -104,12 +103,6 @@ class Engine {
   Format format_;
   std::vector<std::optional<TestConstants>> triangles_;
 };
-
-inline glm::vec3 on_sphere(std::mt19937& rng) {
-  std::normal_distribution<float> normal;
-  const glm::vec3 p{normal(rng), normal(rng), normal(rng)};
-  return p / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-}
 
 /// A closed sphere of radius 1: an octahedron, each triangle split into four `levels` times.
 inline Mesh sphere(int levels) {

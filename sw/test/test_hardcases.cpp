@@ -11,6 +11,7 @@
 #include "app/hardcase_file.hpp"
 #include "app/hardcases.hpp"
 #include "common/error.hpp"
+#include "embree_devices.hpp"
 #include "reference_test.hpp"
 #include "truth/truth.hpp"
 
@@ -114,9 +115,10 @@ TEST_CASE("an honest engine passes every case, in every format") {
 }
 
 TEST_CASE("the truth explains what Embree and an honest engine say of every case") {
+  const std::string device = test::each_embree_device();
   for (const HardCase& c : own_cases()) {
     CAPTURE(c.n);
-    const Truth truth(c.mesh, kF32);
+    const Truth truth(c.mesh, kF32, device);
     CHECK(truth.judge(c.ray, honest(c), truth.trace(std::span(&c.ray, 1)).front()) !=
           Verdict::Unexplained);
   }

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "portable_random.hpp"
 #include "scene/mesh.hpp"
 #include "tree/clip.hpp"
 #include "tree/image.hpp"
@@ -29,15 +30,15 @@ inline Mesh mesh_of(const std::vector<glm::vec3>& corners) {
 /// axis, with the plane on a coarse grid so that planes repeat.
 inline Mesh soup(std::size_t count, float size, std::uint32_t seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+  const auto unit = [&random] { return test::unit_random(random); };
   std::vector<glm::vec3> corners;
   for (std::size_t i = 0; i < count; ++i) {
-    const glm::vec3 middle{unit(random), unit(random), unit(random)};
+    const glm::vec3 middle{unit(), unit(), unit()};
     const int flat = i % 4 == 0 ? static_cast<int>(i / 4 % 3) : -1;
     for (int corner = 0; corner < 3; ++corner) {
       glm::vec3 vertex;
       for (int axis = 0; axis < 3; ++axis) {
-        vertex[axis] = middle[axis] + size * (unit(random) - 0.5F);
+        vertex[axis] = middle[axis] + size * (unit() - 0.5F);
         if (axis == flat) vertex[axis] = std::round(middle[axis] * 8.0F) / 8.0F;
       }
       corners.push_back(vertex);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "truth/embree.hpp"
 
-#include <xmmintrin.h>
-
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "common/error.hpp"
 
@@ -42,6 +42,20 @@ void check(RTCDevice device) {
   }
 }
 
+/// Keeps the caller's handling of subnormals: Embree may flush them in the thread that builds (FTZ
+/// and DAZ of x86, FZ of ARM). The control bits are part of the C library's floating-point
+/// environment.
+class KeepFloatingPoint {
+ public:
+  KeepFloatingPoint() { std::fegetenv(&environment_); }
+  ~KeepFloatingPoint() { std::fesetenv(&environment_); }
+  KeepFloatingPoint(const KeepFloatingPoint&) = delete;
+  KeepFloatingPoint& operator=(const KeepFloatingPoint&) = delete;
+
+ private:
+  std::fenv_t environment_{};
+};
+
 void intersect(RTCScene scene, RTCRayHit& query) {
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
@@ -71,12 +85,11 @@ void occluded(RTCScene scene, RTCRay& ray) {
 
 EmbreeScene::EmbreeScene(std::span<const glm::vec3> vertices,
                          std::span<const std::array<std::uint32_t, 3>> triangles,
-                         std::vector<std::int32_t> prims)
+                         std::vector<std::int32_t> prims, const std::string& device)
     : impl_(std::make_unique<Impl>()) {
   impl_->prims = std::move(prims);
-  const unsigned int control =
-      _mm_getcsr();  // Embree may turn subnormals off in the calling thread
-  impl_->device = rtcNewDevice(nullptr);
+  const KeepFloatingPoint keep;
+  impl_->device = rtcNewDevice(device.c_str());
   check(impl_->device);
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
@@ -95,11 +108,25 @@ EmbreeScene::EmbreeScene(std::span<const glm::vec3> vertices,
     rtcReleaseGeometry(geometry);
   }
   rtcCommitScene(impl_->scene);
-  _mm_setcsr(control);
   check(impl_->device);
 }
 
 EmbreeScene::~EmbreeScene() = default;
+
+std::vector<std::string> EmbreeScene::devices() {
+  const KeepFloatingPoint keep;
+  std::vector<std::string> found;
+  for (const char* device : {"isa=sse2", "isa=sse4.2", "isa=avx", "isa=avx2", "isa=avx512"}) {
+    const RTCDevice made = rtcNewDevice(device);
+    if (rtcGetDeviceError(made) == RTC_ERROR_NONE && made != nullptr) {
+      found.emplace_back(device);
+    }
+    if (made != nullptr) {
+      rtcReleaseDevice(made);
+    }
+  }
+  return found;
+}
 
 bool EmbreeScene::takes(const Ray& ray) {
   constexpr float kLargest = 1.844e18F;

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scene/ray.hpp"
@@ -15,14 +16,18 @@ namespace ti {
 /// An Embree scene (3 or 4) in robust mode. Its answers are true away from edges and vertices only.
 class EmbreeScene {
  public:
-  /// `prims[i]` is the number to report for `triangles[i]`. Throws `Error` when Embree cannot be
-  /// set up.
+  /// `prims[i]` is the number to report for `triangles[i]`; `device` configures Embree as
+  /// `rtcNewDevice` does. Throws `Error` when Embree cannot be set up.
   EmbreeScene(std::span<const glm::vec3> vertices,
               std::span<const std::array<std::uint32_t, 3>> triangles,
-              std::vector<std::int32_t> prims);
+              std::vector<std::int32_t> prims, const std::string& device = "");
   ~EmbreeScene();
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+  /// The `isa=` devices that Embree makes here: it refuses those that the processor lacks. One that
+  /// it was built without falls back to the best below, which the interface does not tell.
+  [[nodiscard]] static std::vector<std::string> devices();
 
   /// Whether Embree takes the ray: components of o and d within 1.844e18 (assertions of some builds
   /// abort beyond), tmin and tmax not NaN.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "truth/bounds.hpp"
@@ -30,7 +31,7 @@ struct TruthTriangle {
 };
 
 struct Truth::Impl {
-  Impl(const Mesh& mesh, Format number_format);
+  Impl(const Mesh& mesh, Format number_format, const std::string& device);
 
   Format format;
   BoundedOps ops;

@@ -96,7 +96,7 @@ bool valid_ray(const Ray& ray, Format format) {
   return some_axis && !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }
 
-Truth::Impl::Impl(const Mesh& mesh, Format number_format)
+Truth::Impl::Impl(const Mesh& mesh, Format number_format, const std::string& device)
     : format(number_format),
       ops(number_format),
       corners(mesh.triangles),
@@ -133,7 +133,7 @@ Truth::Impl::Impl(const Mesh& mesh, Format number_format)
     kept.push_back(corners[i]);
     prims.push_back(prim);
   }
-  embree = std::make_unique<EmbreeScene>(vertices, kept, std::move(prims));
+  embree = std::make_unique<EmbreeScene>(vertices, kept, std::move(prims), device);
 }
 
 Corners Truth::Impl::corners_of(std::int32_t prim) const {
@@ -185,7 +185,8 @@ Hit Truth::Impl::trace(const Ray& ray) const {
   return result;
 }
 
-Truth::Truth(const Mesh& mesh, Format format) : impl_(std::make_unique<Impl>(mesh, format)) {}
+Truth::Truth(const Mesh& mesh, Format format, const std::string& device)
+    : impl_(std::make_unique<Impl>(mesh, format, device)) {}
 
 Truth::~Truth() = default;
 

@@ -34,7 +34,8 @@ struct TruthReport {
 /// Holds an Embree scene of `mesh` (with the triangles that the builder keeps). Thread-compatible.
 class Truth {
  public:
-  Truth(const Mesh& mesh, Format format);
+  /// `device` configures Embree (`EmbreeScene`).
+  Truth(const Mesh& mesh, Format format, const std::string& device = "");
   ~Truth();
   Truth(const Truth&) = delete;
   Truth& operator=(const Truth&) = delete;

@@ -21,6 +21,10 @@ def test_fault_fits_the_rtl(tmp_path, mutant):
         assert (ROOT / f"tb/unit/{test}.py").is_file(), test
 
 
+def test_some_faults_are_tried_by_every_run():
+    assert sum(mutant.quick for mutant in TABLE) >= 3
+
+
 def test_spacing_does_not_matter_and_words_do(tmp_path):
     file = tmp_path / "a.sv"
     file.write_text("assign a   = b &&\n      c[1:0];\n")
