@@ -17,6 +17,8 @@ RAYS ?=
 IMAGE ?=
 SEED ?=
 LOG_RAY ?=
+MEM_LATENCY ?=
+MEM_BANDWIDTH ?=
 TEST ?=
 UNIT ?=
 QUICK ?=
@@ -57,7 +59,8 @@ run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
 needs = check-engine $(config)/config.json $(call ti,$(ENGINE)) $(filter $(knot),$(scene))
 common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED)) $(if $(IMAGE),--image $(IMAGE)) \
-  $(if $(LOG_RAY),--log-ray $(LOG_RAY))
+  $(if $(LOG_RAY),--log-ray $(LOG_RAY)) \
+  $(if $(MEM_LATENCY),--mem-latency $(MEM_LATENCY)) $(if $(MEM_BANDWIDTH),--mem-bytes-per-cycle $(MEM_BANDWIDTH))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 cases = $(or $(FILE),scenes/hardcases.jsonl)
@@ -65,7 +68,7 @@ cases = $(or $(FILE),scenes/hardcases.jsonl)
 include sim/sim.mk
 
 ##@ Trace
-render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= OUT= DUMP=1)
+render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= MEM_LATENCY= MEM_BANDWIDTH= OUT= DUMP=1)
 	@$(call ti,$(ENGINE)) render --scene $(scene) --size $(SIZE) --spp $(SPP) --effects $(EFFECTS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(or $(OUT),build/render/$(run_name))
 

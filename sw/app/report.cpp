@@ -98,6 +98,13 @@ ordered_json machine_json(const Session& session, const Session::Outcome& outcom
                          {"list", when_rtl(counters.list_busy)},
                          {"ist1", when_rtl(counters.ist1_busy)},
                          {"ist2", when_rtl(counters.ist2_busy)}};
+  json["stalls"] = ordered_json::object();
+  for (const UnitAccount& account : counters.accounts) {
+    for (const auto& [activity, cycles_so] : account.activities) {
+      json["stalls"][account.unit][activity] =
+          ratio(static_cast<double>(cycles_so), static_cast<double>(account.unit_cycles));
+    }
+  }
   json["cache"] = ordered_json::object();
   for (const CacheCounters& cache : counters.caches) {
     json["cache"][cache.name] = {{"accesses", cache.accesses},
@@ -106,6 +113,22 @@ ordered_json machine_json(const Session& session, const Session::Outcome& outcom
                                  {"misses", cache.misses}};
   }
   return json;
+}
+
+/// What each kind of unit did, in percent of its cycles.
+void print_accounts(const std::vector<UnitAccount>& accounts) {
+  if (accounts.empty()) return;
+  fmt::print("  % of cycles");
+  for (const auto& [activity, cycles] : accounts.front().activities) fmt::print(" {:>11}", activity);
+  fmt::print("\n");
+  for (const UnitAccount& account : accounts) {
+    fmt::print("  {:11}", account.unit);
+    for (const auto& [activity, cycles] : account.activities) {
+      fmt::print(" {:11.1f}", 100 * ratio(static_cast<double>(cycles),
+                                          static_cast<double>(account.unit_cycles)));
+    }
+    fmt::print("\n");
+  }
 }
 
 void print_status(const Session::Outcome& outcome, std::size_t rays) {
@@ -149,6 +172,7 @@ void print_summary(const Session& session, const Session::Outcome& outcome, std:
           100 * ratio(static_cast<double>(cache.hits), static_cast<double>(cache.accesses)),
           100 * ratio(static_cast<double>(cache.merged), static_cast<double>(cache.accesses)));
     }
+    print_accounts(rtl.accounts);
     fmt::print("simulation: {:.1f} s, {:.0f} cycles/s, {:.0f} rays/s\n", rtl.seconds,
                cycles / rtl.seconds, n / rtl.seconds);
   }

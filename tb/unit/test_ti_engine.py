@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_core` gives each ray back once with the model's hit, whatever memory and stalls do."""
+"""`ti_engine` gives each ray back once with the model's hit, whatever memory, stalls and the machine's shape do."""
 
 import json
 import struct
+from itertools import product
 from pathlib import Path
 
 import cocotb
+import counters
+import pytest
 import ti_model
 from agents.axi_memory import DECERR, EXOKAY, OKAY, SLVERR, AxiMemory
 from agents.bench import run, start
@@ -18,7 +21,6 @@ from models.scene import BASE, Scene, rays_through, soup
 
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
 NO_PRIM = (1 << 32) - 1
-UNITS = ("trv", "list", "ist1", "ist2")
 WATCHDOG_STEPS = 40  # few, so that some rays reach it
 HARD_CASES = Path(__file__).resolve().parents[2] / "scenes/hardcases.jsonl"
 
@@ -28,7 +30,8 @@ class Bench:
 
     def __init__(self, dut, rng, **memory):
         self.dut, self.rng = dut, rng
-        self.memory = AxiMemory(dut, rng, **memory)
+        self.dut.count_run_i.value = 1
+        self.memories = [AxiMemory(dut, rng, c, **memory) for c in range(configuration()["cores"])]
         self._next_base = BASE
         self._ids = set()
 
@@ -36,19 +39,29 @@ class Bench:
         """Give the engine a scene at a place in memory that none had before."""
         scene, base = Scene(triangles), self._next_base
         self._next_base += len(scene.bytes) + 4096
-        self.memory.put(base, spoil(scene))
+        for memory in self.memories:
+            memory.put(base, spoil(scene))
         sections = {
             name: getattr(scene, name) - BASE + base
             for name in ("node_base", "list_base", "plane_base", "bary_base")
         }
         lo, hi = scene.box
-        beat = payloads().pack("scene_t", sections, root=scene.root, box_lo=lo, box_hi=hi)
+        counts = {"num_list": len(scene.ids), "num_records": len(scene.planes)}
+        beat = payloads().pack(
+            "scene_t", sections | counts, root=scene.root, box_lo=lo, box_hi=hi
+        )
         self.dut.scene_i.value = beat
         keys = configuration()
         self.tracer = ti_model.Tracer.create(
             scene.image, keys["stack_depth"], keys["watchdog_steps"]
         )
         return scene
+
+    def forget_scenes(self):
+        """The next scene comes to where the last one was."""
+        self._next_base = BASE
+        for memory in self.memories:
+            memory.clear()
 
     def ray(self, given, any_hit=0):
         """A ray under a number that none had before."""
@@ -87,7 +100,7 @@ class Bench:
         await sink.expect_none(300)
         hits = [payloads().unpack("hit_t", bits) for bits in beats]
         assert {hit["ray_id"] for hit in hits} == {given["ray_id"] for given in rays}
-        assert self.memory.in_flight() == 0
+        assert self.in_flight() == 0 and self.dut.idle_o.value == 1
         return {hit["ray_id"]: hit for hit in hits}
 
     def check(self, rays, hits):
@@ -97,24 +110,51 @@ class Bench:
             assert hits[given["ray_id"]] == want, f"{given}\nmodel {want}"
         return {hit["status"] for hit in hits.values()}
 
-    def counter_ports(self):
-        return [getattr(self.dut, f"{unit}_counters_o") for unit in UNITS]
+    def in_flight(self):
+        return sum(memory.in_flight() for memory in self.memories)
 
-    def counters(self):
-        """The counters of the units, of which there is one of a kind."""
-        counters = {}
-        for unit, port in zip(UNITS, self.counter_ports(), strict=True):
-            counters |= payloads().unpack(f"{unit}_counters_t", int(port.value))
-        return counters
+    def asked(self):
+        return sum(len(memory.addresses) for memory in self.memories)
 
-    def check_counters(self, rays):
+    async def counters(self):
+        """{unit: {event: sum over units and cores}}, and the number of cycles that each unit accounts for."""
+        dut, keys = self.dut, configuration()
+        dut.count_run_i.value = 0
+        table, first, sums, accounts = counters.description(), 0, {}, set()
+        for unit, number in counters.counts_of(keys).items():
+            names = list(counters.events(table, unit))
+            sums[unit] = dict.fromkeys(names, 0)
+            for core, index in product(range(keys["cores"]), range(first, first + number)):
+                dut.count_core_i.value, dut.count_unit_i.value = core, index
+                own = []
+                for event, name in enumerate(names):
+                    dut.count_event_i.value = event
+                    await ClockCycles(dut.clk_i, 3)
+                    own.append(int(dut.count_o.value))
+                    sums[unit][name] += own[-1]
+                accounts.add(sum(own[: len(table["activity"])]))
+            first += number
+        dut.count_run_i.value = 1
+        return sums, accounts
+
+    async def check_counters(self, rays):
+        """What was counted is what the model did; each unit accounts for the same number of cycles."""
         done = [self.expected(given)[1] for given in rays]
-        sums = {k: sum(getattr(one, k) for one in done) for k in ("steps", "leaves", "full_leaves")}
-        tests = {"a_passes": "a_tests", "b_passes": "b_tests", "c_passes": "c_tests"}
-        sums |= {k: sum(getattr(one, name) for one in done) for k, name in tests.items()}
-        sums |= {"ids": sums["a_passes"], "restarts": sum(one.restarts for one in done)}
-        got = self.counters()
-        assert {k: got[k] for k in sums} == sums
+        want = {k: sum(getattr(one, k) for one in done) for k in ("steps", "leaves", "full_leaves")}
+        want["restarts"] = sum(one.restarts for one in done)
+        got, accounts = await self.counters()
+        trv = got["trv"]
+        trv["restarts"] += trv["restarts_after_tests"]
+        assert {k: trv[k] for k in want} == want
+        tests = {k: sum(getattr(one, k) for one in done) for k in ("a_tests", "b_tests", "c_tests")}
+        assert got["list"]["ids"] == got["ist1"]["a_passes"] == tests["a_tests"]
+        assert (got["ist1"]["b_passes"], got["ist2"]["c_passes"]) == (
+            tests["b_tests"],
+            tests["c_tests"],
+        )
+        assert trv["rays"] + got["rd"]["misses"] == got["rd"]["rays"] == len(rays)
+        assert got["axi"]["lines"] == sum(got[unit]["l1_misses"] for unit in ("trv", "list", "ist1"))
+        assert len(accounts) == 1 and min(accounts) > 0, "activities add up to the cycles"
 
 
 @cocotb.test()
@@ -138,7 +178,7 @@ async def every_ray_comes_back_once_with_the_hit_of_the_model(dut, p_valid, p_re
     hits = await bench.trace(rays, p_valid, lambda: rng.random() < p_ready)
 
     assert bench.check(rays, hits) == {STATUS_OK, INVALID_RAY, WATCHDOG}
-    bench.check_counters(rays)
+    await bench.check_counters(rays)
 
 
 @cocotb.test()
@@ -150,13 +190,13 @@ async def a_hit_port_that_waits_for_long_loses_nothing(dut):
     source, sink = Source(dut, "ray"), Sink(dut, "hit")
     task = cocotb.start_soon(source.send([payloads().pack("ray_t", given) for given in rays]))
     await ClockCycles(dut.clk_i, 5000)
-    asked = len(bench.memory.addresses)
+    asked = bench.asked()
     await ClockCycles(dut.clk_i, 2000)
     assert not task.done(), "it cannot hold all these rays"
-    assert len(bench.memory.addresses) == asked, "everything inside waits for the hit port"
+    assert bench.asked() == asked, "everything inside waits for the hit port"
 
     bench.check(rays, await bench.collect(sink, rays))
-    bench.check_counters(rays)
+    await bench.check_counters(rays)
 
 
 @cocotb.test()
@@ -169,7 +209,7 @@ async def a_memory_that_takes_no_request_for_long_only_delays(dut):
 
     async def wake():
         await ClockCycles(dut.clk_i, 3000)
-        assert not bench.memory.addresses
+        assert bench.asked() == 0
         awake[0] = True
 
     cocotb.start_soon(wake())
@@ -240,6 +280,7 @@ async def a_tree_that_leads_in_a_circle_ends_by_the_watchdog(dut):
 @cocotb.test()
 @cocotb.parametrize(after=[1, 7, 50, 333, 1000])
 async def a_reset_in_the_middle_of_traffic_forgets_all_of_it(dut, after):
+    """Answers to reads from before the reset still come, before rays do, and do no harm."""
     rng = await start(dut)
     bench = Bench(dut, rng, latency=lambda: rng.randint(1, 60))
     bench.put_scene(soup(rng, 120))
@@ -252,17 +293,115 @@ async def a_reset_in_the_middle_of_traffic_forgets_all_of_it(dut, after):
 
     dut.rst_ni.value, dut.ray_valid_i.value, dut.hit_ready_i.value = 0, 0, 0
     await ClockCycles(dut.clk_i, 2)
-    bench.memory.forget()
-    assert dut.hit_valid_o.value == 0 and dut.m_axi_arvalid.value == 0
+    for memory in bench.memories:
+        memory.withdraw()
+    assert dut.hit_valid_o.value == 0 and int(dut.m_axi_arvalid.value) == 0
     dut.rst_ni.value = 1
     await ClockCycles(dut.clk_i, 1)
     await Sink(dut, "hit").expect_none(200)
-    assert not any(int(counters.value) for counters in bench.counter_ports())
+    assert bench.in_flight() == 0 and dut.idle_o.value == 1
 
     bench.put_scene(soup(rng, 120))
     rays = list(bench.rays(150))
     bench.check(rays, await bench.trace(rays))
-    bench.check_counters(rays)
+
+
+@cocotb.test()
+async def counters_are_zero_after_a_reset_and_hold_while_they_are_stopped(dut):
+    rng = await start(dut)
+    bench = Bench(dut, rng)
+    bench.put_scene(soup(rng, 30))
+    rays = list(bench.rays(50))
+    await bench.trace(rays)
+    await bench.check_counters(rays)
+    dut.rst_ni.value = 0
+    await ClockCycles(dut.clk_i, 2)
+    dut.count_run_i.value, dut.rst_ni.value = 0, 1
+    await ClockCycles(dut.clk_i, 100)
+    sums, accounts = await bench.counters()
+    assert accounts == {0} and not any(any(unit.values()) for unit in sums.values())
+
+
+@cocotb.test()
+async def answers_to_nothing_that_was_asked_for_are_dropped(dut):
+    rng = await start(dut)
+    bench = Bench(dut, rng, latency=lambda: rng.randint(1, 30))
+    bench.put_scene(soup(rng, 60))
+
+    async def disturb():
+        for _ in range(40):
+            await ClockCycles(dut.clk_i, rng.randint(1, 20))
+            memory = rng.choice(bench.memories)
+            if memory.in_flight() < configuration()["max_reads"] // 2:
+                memory.strays += 1
+
+    cocotb.start_soon(disturb())
+    rays = list(bench.rays(200))
+    bench.check(rays, await bench.trace(rays))
+    sums, _ = await bench.counters()
+    assert sums["axi"]["strays"] > 20
+
+
+@cocotb.test()
+async def a_flush_waits_for_rays_and_makes_another_scene_at_the_same_place_seen(dut):
+    rng = await start(dut)
+    bench = Bench(dut, rng, latency=lambda: rng.randint(1, 40))
+    for _ in range(4):
+        bench.put_scene(soup(rng, 40))
+        rays = list(bench.rays(100))
+        source, sink = Source(dut, "ray"), Sink(dut, "hit")
+        beats = [payloads().pack("ray_t", given) for given in rays]
+        sending = cocotb.start_soon(source.send(beats))
+        hits = cocotb.start_soon(bench.collect(sink, rays, lambda: rng.random() < 0.5))
+        await sending
+        dut.flush_i.value = 1
+        await ClockCycles(dut.clk_i, 1)
+        dut.ray_valid_i.value = 1  # nobody takes it
+        for _ in range(rng.randint(1, 30)):
+            await ClockCycles(dut.clk_i, 1)
+            assert dut.ray_ready_o.value == 0, "no ray is accepted during a flush"
+        dut.ray_valid_i.value = 0
+        bench.check(rays, await hits)
+        await ClockCycles(dut.clk_i, 3)
+        assert dut.idle_o.value == 1
+        dut.flush_i.value = 0
+        bench.forget_scenes()  # the next one comes to the same place
+
+
+@cocotb.test()
+async def without_a_flush_lines_stay(dut):
+    rng = await start(dut)
+    bench = Bench(dut, rng)
+    bench.put_scene(soup(rng, 2))  # fits into the caches
+    rays = list(bench.rays(30))
+    await bench.trace(rays)
+    before = bench.asked()
+    again = [bench.ray({k: given[k] for k in ("o", "d", "tmin", "tmax")}) for given in rays]
+    bench.check(again, await bench.trace(again))
+    assert bench.asked() - before < before / 2
+
+
+@cocotb.test()
+async def a_corrupt_list_ends_its_rays_with_an_error(dut):
+    """Triangle numbers beyond the scene, also those that would wrap around the address space."""
+    rng = await start(dut)
+    bench = Bench(dut, rng)
+
+    def corrupt(scene):
+        data = bytearray(scene.bytes)
+        for i in range(len(scene.ids)):
+            wrong = rng.choice((len(scene.planes), 1 << 27, (1 << 27) + 1, (1 << 29) - 1, 1 << 31))
+            place = scene.list_base - BASE + 4 * i
+            data[place : place + 4] = struct.pack("<I", wrong)
+        return bytes(data)
+
+    bench.put_scene(soup(rng, 60), corrupt)
+    rays = list(bench.rays(100))
+    hits = await bench.trace(rays)
+    for given in rays:
+        needs = bench.expected(given)[1].full_leaves > 0
+        assert (hits[given["ray_id"]]["status"] == MEMORY_ERROR) == needs
+    assert any(hit["status"] == MEMORY_ERROR for hit in hits.values())
 
 
 @cocotb.test()
@@ -288,5 +427,19 @@ async def hard_cases_have_the_bits_of_the_model(dut):
             raise AssertionError(f"case {case['n']}, {case['name']}: {error}") from None
 
 
-def test_ti_core():
-    run("ti_core", "test_ti_core", config=f"tiny watchdog_steps={WATCHDOG_STEPS}")
+# The machine in shapes that differ; each runs all of the tests above.
+SHAPES = {
+    "tiny": "",
+    "two_cores": "cores=2 core_tile=4 counters=1",
+    "odd": "num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=2",
+    "short_lines": "num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4",
+    "long_lines": "line_bytes=128 num_trv=2 ist1_l1_bytes=2048 trv_l1_bytes=2048",
+    "format_7_16": "exp_bits=7 frac_bits=16 num_trv=3 num_list=2 addr_bits=40",
+    "deep_operators": "fp_add_stages=6 fp_mul_stages=5 fp_rcp_bits_per_stage=1 ring_delays=0",
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_ti_engine(shape):
+    keys = f"watchdog_steps={WATCHDOG_STEPS} {SHAPES[shape]}".strip()
+    run("ti_engine", "test_ti_engine", config=f"tiny {keys}")
