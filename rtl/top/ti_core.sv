@@ -130,7 +130,8 @@ module ti_core #(
   assign idle_o = traverse_idle && intersect_idle;
 
   // A bank of counters beside each unit, in the order of `ti_count_pkg`.
-  ti_count_pkg::count_t counts[ti_count_pkg::UnitAxi];
+  ti_count_pkg::count_t counts[ti_count_pkg::NumUnits];
+  assign counts[ti_count_pkg::UnitAxi] = '0;  // that unit is not part of the core
 
   ti_counters #(
     .Num(ti_count_pkg::NumRdEvents)
@@ -191,6 +192,6 @@ module ti_core #(
 
   ti_count_pkg::unit_index_t count_unit_q;
   always_ff @(posedge clk_i) count_unit_q <= count_unit_i;
-  assign count_o = (32'(count_unit_q) < ti_count_pkg::UnitAxi) ? counts[count_unit_q] : '0;
+  assign count_o = (32'(count_unit_q) < ti_count_pkg::NumUnits) ? counts[count_unit_q] : '0;
 
 endmodule : ti_core
