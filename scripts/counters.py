@@ -103,7 +103,9 @@ def markdown() -> str:
     """The table of docs/counters.md."""
     table = description()
     lines = ["| unit | number | counter | counts cycles in which |", "|---|---:|---|---|"]
-    lines += [f"| every | {i} | `{n}` | {t} |" for i, (n, t) in enumerate(table["activity"].items())]
+    lines += [
+        f"| every | {i} | `{n}` | {t} |" for i, (n, t) in enumerate(table["activity"].items())
+    ]
     for unit in table["units"]:
         for number, (name, text) in enumerate(events(table, unit).items()):
             if name not in table["activity"]:

@@ -15,9 +15,9 @@ module ti_arbiter #(
   input logic rst_ni,
 
   input  logic     [NumIn-1:0] in_valid_i,
-  output logic     [NumIn-1:0] in_ready_o,         // the grant: only where valid
-  output logic     [NumIn-1:0] in_lost_o,          // valid, and another is served in its place
-  input  payload_t             in_data_i  [NumIn],
+  output logic     [NumIn-1:0] in_ready_o,        // the grant: only where valid
+  output logic     [NumIn-1:0] in_lost_o,         // valid, and another is served in its place
+  input  payload_t             in_data_i [NumIn],
 
   output logic     out_valid_o,
   input  logic     out_ready_i,
@@ -63,8 +63,14 @@ module ti_arbiter #(
     .out_data_o
   );
 
+  if (NumIn < 1) begin : gen_check_num_in
+    $error("ti_arbiter: NumIn must be 1 or more");
+  end
+
   `TI_ASSERT(GrantOneHot, $onehot0(in_ready_o))
   `TI_ASSERT(GrantOnlyRequests, (in_ready_o & ~in_valid_i) == '0)
   `TI_COVER(RequestLost, |in_lost_o)
+  `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
+  `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 
 endmodule : ti_arbiter

@@ -19,7 +19,7 @@ module ti_xbar #(
   input  logic     [NumIn-1:0]                in_valid_i,
   output logic     [NumIn-1:0]                in_ready_o,         // the grant: only where valid
   output logic     [NumIn-1:0]                in_lost_o,          // another is served in its place
-  input  payload_t                            in_data_i  [NumIn],
+  input  payload_t                            in_data_i [NumIn],
   input  logic     [NumIn-1:0][DestWidth-1:0] in_dest_i,
 
   output logic     [NumOut-1:0] out_valid_o,
@@ -62,10 +62,21 @@ module ti_xbar #(
     );
   end
 
+  if (NumIn < 1) begin : gen_check_num_in
+    $error("ti_xbar: NumIn must be 1 or more");
+  end
+
+  if (NumOut < 1) begin : gen_check_num_out
+    $error("ti_xbar: NumOut must be 1 or more");
+  end
+
   for (genvar i = 0; i < NumIn; i++) begin : gen_check
     `TI_ASSERT(DestExists, in_valid_i[i] |-> 32'(in_dest_i[i]) < NumOut)
     `TI_ASSERT(TakenOnlyWhenValid, in_ready_o[i] |-> in_valid_i[i])
     `TI_ASSERT(TakenByItsOutput, in_ready_o[i] |-> grant[in_dest_i[i]][i])
   end
+
+  `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
+  `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 
 endmodule : ti_xbar

@@ -7,7 +7,7 @@
 /// The numbers of the events are those of `ti_count_pkg`.
 module ti_counters #(
   /// Events, 1 or more.
-  parameter int unsigned Num = 1,
+  parameter  int unsigned Num   = 1,
   localparam int unsigned Width = $bits(ti_count_pkg::count_t)
 ) (
   input logic clk_i,
@@ -41,6 +41,10 @@ module ti_counters #(
     logic unused;
     assign unused  = clk_i & rst_ni & run_i & (|events_i) & (|index_i);
     assign count_o = '0;
+  end
+
+  if (Num < 1) begin : gen_check_num
+    $error("ti_counters: Num must be 1 or more");
   end
 
 endmodule : ti_counters

@@ -5,6 +5,7 @@ import random
 
 import cocotb
 from agents.memory import LineMemory
+from models.payload import configuration
 
 
 class ImageMemory(LineMemory):
@@ -15,7 +16,7 @@ class ImageMemory(LineMemory):
     """
 
     def __init__(self, dut, data, base, *, latency=lambda: 10, ready=lambda: 1, fails=None):
-        size = len(dut.line_rsp_data_i) // 8
+        size = configuration()["line_bytes"]
         super().__init__(dut, size, random.Random(cocotb.RANDOM_SEED))
         first, count = base // size, -(-len(data) // size)
         self.latency = lambda line: latency()

@@ -5,16 +5,11 @@ import random
 
 from agents.bench import cycle
 from cocotb.triggers import ReadOnly, RisingEdge
+from models.payload import payloads
 
-RA_PORTS = {  # the roles of a port here, and their names at a `ti_ra`
-    "ask_valid": "line_req_valid_o",
-    "ask_ready": "line_req_ready_i",
-    "ask_id": "line_req_row_o",
-    "ask_line": "line_req_line_o",
-    "answer_valid": "line_rsp_valid_i",
-    "answer_id": "line_rsp_row_i",
-    "answer_data": "line_rsp_data_i",
-    "answer_error": "line_rsp_error_i",
+RA_PORTS = {  # the streams of a line port and their types, as at a `ti_ra`
+    "ask": ("line_req_{}_o", "line_req_{}_i", "line_req_t"),
+    "answer": ("line_rsp_{}_i", "line_rsp_{}_o", "line_rsp_t"),
 }
 
 
@@ -30,19 +25,35 @@ class LineMemory:
     answer waits for `release(line)`.  `error(line)` says whether an answer is an error,
     `data(line)` gives the bytes of a good one as an integer.  `ready()` is the ready bit of each
     cycle.  `asked` has every line in the order of the requests, `answered` (cycle, line, error) of
-    every answer.  A role that `ports` leaves out is not driven.
+    every answer, when it is first shown; it stays until it is taken.  `stray(identity)` answers
+    what nobody may have asked for; `repeat()` says of each answer whether one of random bytes
+    follows it in the next cycle, under its identity.  A request that waits must stay as it is.
     """
 
     def __init__(self, dut, line_bytes, rng, ports=RA_PORTS):
-        self._clk = dut.clk_i
+        self._clk, self._rst = dut.clk_i, dut.rst_ni
         self._line_bytes = line_bytes
         self._rng = rng
-        self._port = {role: getattr(dut, name) for role, name in ports.items()}
+        valid, ready, self._ask_type = ports["ask"]
+        self._ask_valid, self._ask_data = (
+            getattr(dut, valid.format(part)) for part in ("valid", "data")
+        )
+        self._ask_ready = getattr(dut, ready.format("ready"))
+        valid, ready, self._answer_type = ports["answer"]
+        self._answer_valid, self._answer_data = (
+            getattr(dut, valid.format(part)) for part in ("valid", "data")
+        )
+        self._answer_ready = getattr(dut, ready.format("ready"))
         self.data = lambda line: line_data(line, line_bytes)
         self._waiting = []  # [cycle when due or None, identity, line]
+        self._strays = []  # identities
+        self._shown = None  # the answer at the port
+        self._stalled = None  # the request that was not taken
         self.latency = lambda line: 3
         self.error = lambda line: False
         self.ready = lambda: True
+        self.repeat = lambda: False
+        self._again = None  # the identity of the answer to repeat
         self.asked = []
         self.answered = []
 
@@ -56,40 +67,80 @@ class LineMemory:
         """Lines that wait for `release`, in the order of their requests."""
         return [line for when, _, line in self._waiting if when is None]
 
+    def identity_of(self, line):
+        """The identity under which `line` is on its way."""
+        return next(identity for _, identity, held in self._waiting if held == line)
+
+    def stray(self, identity):
+        """In the next cycle without an answer, give one of random bytes under `identity`."""
+        self._strays.append(identity)
+
+    def strays_left(self):
+        return len(self._strays)
+
     async def run(self):
         """Play the memory for ever."""
         while True:
             self._answer()
-            self._port["ask_ready"].value = int(self.ready())
+            self._ask_ready.value = int(self.ready())
             await ReadOnly()
+            if self._answer_ready.value == 1:
+                self._shown = None
             self._ask()
             await RisingEdge(self._clk)
 
     def _answer(self):
+        if self._shown is not None:
+            return
         due = [entry for entry in self._waiting if entry[0] is not None and entry[0] <= cycle()]
-        self._port["answer_valid"].value = bool(due)
-        if due:
+        self._answer_valid.value = self._again is not None or bool(due or self._strays)
+        if self._again is not None:
+            self._show(self._again, self._rng.random() < 0.5, self._noise())
+            self._again = None
+        elif due:
             entry = self._rng.choice(due)
             self._waiting.remove(entry)
             _, identity, line = entry
             error = bool(self.error(line))
-            data = self._rng.getrandbits(8 * self._line_bytes)  # of an error: anything
-            self._drive("answer_id", identity)
-            self._drive("answer_data", data if error else self.data(line))
-            self._drive("answer_error", error)
+            self._show(identity, error, self._noise() if error else self.data(line))
             self.answered.append((cycle(), line, error))
+            self._again = identity if self.repeat() else None
+        elif self._strays:
+            self._show(self._strays.pop(0), self._rng.random() < 0.5, self._noise())
 
-    def _drive(self, role, value):
-        if role in self._port:
-            self._port[role].value = value
+    def _noise(self):
+        return self._rng.getrandbits(8 * self._line_bytes)
+
+    def _show(self, identity, error, data):
+        """An identity is all of a request but its line: an id, or (number of a port, id)."""
+        self._shown = identity
+        if isinstance(identity, tuple):
+            port, row = identity
+            fields = {"port_index": port, "rsp": {"id": row, "error": int(error), "data": data}}
+        else:
+            fields = {"id": identity, "error": int(error), "data": data}
+        self._answer_data.value = payloads().pack(self._answer_type, fields)
 
     def _ask(self):
-        if self._port["ask_valid"].value == 1 and self._port["ask_ready"].value == 1:
-            identity = int(self._port["ask_id"].value)
-            line = int(self._port["ask_line"].value)
-            assert all(identity != other for _, other, _ in self._waiting), (
-                f"line {line:#x} asked for under identity {identity}, which is in flight"
-            )
-            latency = self.latency(line)
-            self._waiting.append([None if latency is None else cycle() + latency, identity, line])
-            self.asked.append(line)
+        if self._rst.value == 0:
+            self._stalled = None
+            return
+        if self._ask_valid.value == 0:
+            assert self._stalled is None, "a request went away before it was taken"
+            return
+        bits = int(self._ask_data.value)
+        assert self._stalled in (None, bits), "a request changed before it was taken"
+        self._stalled = bits
+        if self._ask_ready.value == 0:
+            return
+        self._stalled = None
+        request = payloads().unpack(self._ask_type, bits)
+        port, request = request.get("port_index"), request.get("req", request)
+        identity, line = request["id"], request["line"]
+        identity = identity if port is None else (port, identity)
+        assert all(identity != other for _, other, _ in self._waiting), (
+            f"line {line:#x} asked for under identity {identity}, which is in flight"
+        )
+        latency = self.latency(line)
+        self._waiting.append([None if latency is None else cycle() + latency, identity, line])
+        self.asked.append(line)

@@ -8,8 +8,9 @@ from agents.bench import cycle
 from agents.memory import line_data
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.cache import Cache
+from models.payload import configuration, payloads
 
-EVENTS = ("hit", "merged", "miss")
+EVENTS = {"l1_hits": "hit", "l1_merged": "merged", "l1_misses": "miss"}
 
 
 @dataclass(eq=False)
@@ -19,7 +20,7 @@ class Ticket:
     addr: int
     slot: int = None  # None until it is offered: any free one
     taken: int = None
-    kind: str = None  # one of EVENTS
+    kind: str = None  # a value of EVENTS
     decided: int = None
     shown: int = None  # the answer stands at the port
     done: int = None  # and has been taken
@@ -43,13 +44,14 @@ class Requesters:
 
     `gap()` says whether to stay idle instead of offering the next request, `ready()` is the ready
     bit of the answers.  Which requests must hit, merge or miss follows from the model of the cache
-    and from the answers that the memory gave.
+    and from the answers that the memory gave; whether the unit is idle, or waits for a line, from
+    what is in flight.
     """
 
     def __init__(self, dut, memory, rng):
         self._dut, self._memory, self._rng = dut, memory, rng
         self.num_slots, self.rows = int(dut.NumSlots.value), int(dut.Rows.value)
-        self.line_bytes, self.elem_bytes = int(dut.LineBytes.value), int(dut.ElemBytes.value)
+        self.line_bytes, self.elem_bytes = configuration()["line_bytes"], int(dut.ElemBytes.value)
         self.ways = int(dut.Ways.value)
         self.sets = int(dut.CacheBytes.value) // (self.ways * self.line_bytes)
         self.gap = lambda: False
@@ -96,6 +98,14 @@ class Requesters:
     async def decided(self, tickets, patience=5000):
         await self.until(lambda: all(t.kind is not None for t in tickets), patience)
 
+    async def flush(self):
+        """Have the unit, which is idle, forget all lines."""
+        assert not self._in_flight and not self._wishes
+        self._dut.flush_i.value = 1
+        await RisingEdge(self._dut.clk_i)
+        self._dut.flush_i.value = 0
+        self._cache.flush()
+
     def waits(self):
         """Whether the unit holds a request that it cannot decide on."""
         return bool(self._undecided)
@@ -103,7 +113,7 @@ class Requesters:
     def finish(self):
         """Check the sums when everything is over."""
         assert not self._in_flight and not self._rows and not self._wishes
-        assert self.counts["access"] == sum(self.counts[kind] for kind in EVENTS)
+        assert self.counts["access"] == sum(self.counts[kind] for kind in EVENTS.values())
         assert self.counts["access"] == self.counts["taken"] == self.counts["done"]
         assert self.counts["miss"] == len(self._memory.asked)
 
@@ -112,6 +122,7 @@ class Requesters:
         while True:
             self._drive()
             await ReadOnly()
+            self._see_state()
             self._see_response()
             self._see_event()
             self._see_lines()
@@ -129,6 +140,14 @@ class Requesters:
             dut.req_addr_i.value = self._offer.addr
         dut.rsp_ready_i.value = int(self.ready())
 
+    def _see_state(self):
+        """What the registers say of the cycles before this one."""
+        dut = self._dut
+        assert dut.idle_o.value == (not self._in_flight), f"{len(self._in_flight)} in flight"
+        on_their_way = [row for row in self._rows if row.answered is None]
+        assert dut.waits_o.value == bool(on_their_way), f"{len(on_their_way)} lines on their way"
+        assert dut.line_rsp_ready_o.value == 1, "line answers are always taken"
+
     def _see_request(self):
         if self._offer is not None and self._dut.req_ready_o.value == 1:
             ticket, self._offer = self._offer, None
@@ -139,8 +158,9 @@ class Requesters:
             self._undecided.append(ticket)
 
     def _see_event(self):
-        seen = [kind for kind in EVENTS if getattr(self._dut, f"event_{kind}_o").value == 1]
-        if self._dut.event_access_o.value == 0:
+        events = payloads().unpack("cache_events_t", int(self._dut.events_o.value))
+        seen = [kind for event, kind in EVENTS.items() if events[event]]
+        if not events["l1_accesses"]:
             assert not seen, f"{seen} without an access"
             return
         assert len(seen) == 1 and self._undecided, f"access with {seen}"

@@ -50,6 +50,11 @@ class Cache:
         assert self._pinned[s][way]
         self._pinned[s][way] = False
 
+    def flush(self):
+        """No line is valid any more; which way was used when stays known."""
+        for row in self._line:
+            row[:] = [None] * self._ways
+
     def _oldest(self, s):
         """Walk down the tree, to the half used longer ago at each node."""
         node, way, width = 0, 0, self._ways // 2

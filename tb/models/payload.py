@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Packed structs of the packages of `rtl/` as Python dicts; the table of fields is the packages themselves.
+"""Packed structs of the packages of `rtl/` as Python dicts; the packages are the table.
 
 A dict holds an integer for a field of bits, a tuple ([0] first) for a packed array, a dict for a
 struct.  Fields that `pack` is not given are 0.

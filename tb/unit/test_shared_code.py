@@ -27,16 +27,32 @@ MOST = {
 def functions(folder, overrides):
     """How many functions that run each cycle each class has, by its C++ name."""
     configure("paper", overrides, folder)
-    flags = re.search(r"^VERILATOR_FLAGS := (.*?)\n(?=[A-Z])", (ROOT / "sim/sim.mk").read_text(), re.S | re.M)[1]
-    words = [w for w in flags.replace("\\\n", " ").split() if not w.startswith("$(") and ")" not in w]
+    flags = re.search(
+        r"^VERILATOR_FLAGS := (.*?)\n(?=[A-Z])", (ROOT / "sim/sim.mk").read_text(), re.S | re.M
+    )[1]
+    words = [
+        w for w in flags.replace("\\\n", " ").split() if not w.startswith("$(") and ")" not in w
+    ]
     packages = [folder / "ti_config_pkg.sv", folder / "ti_count_pkg.sv"]
-    command = ["verilator", *words, "--no-assert", "--Mdir", folder / "cpp", "lint/verilator.vlt", "sim/sim.vlt"]
+    command = [
+        "verilator",
+        *words,
+        "--no-assert",
+        "--Mdir",
+        folder / "cpp",
+        "lint/verilator.vlt",
+        "sim/sim.vlt",
+    ]
     command += [*packages, "-f", "rtl/ti.f", "sim/ti_step_log.sv"]
     subprocess.run([str(word) for word in command], cwd=ROOT, check=True, capture_output=True)
     found = Counter()
     for file in (folder / "cpp").glob("*.cpp"):
         if "Slow" not in file.name:
-            names = re.findall(r"^(?:VL_INLINE_OPT )?void Vti_engine_(ti_\w+?)___\w+\(.*\{$", file.read_text(), re.M)
+            names = re.findall(
+                r"^(?:VL_INLINE_OPT )?void Vti_engine_(ti_\w+?)___\w+\(.*\{$",
+                file.read_text(),
+                re.M,
+            )
             found.update(names)
     return found
 
@@ -44,7 +60,11 @@ def functions(folder, overrides):
 def test_instances_share_their_functions(tmp_path):
     found = functions(tmp_path, ["cores=2"])
     for unit, most in MOST.items():
-        classes = {name: count for name, count in found.items() if re.sub(r"__.*", "", name) == unit}
+        classes = {
+            name: count for name, count in found.items() if re.sub(r"__.*", "", name) == unit
+        }
         assert classes, f"{unit} is not a class: sim/sim.vlt must say no_inline"
         for name, count in classes.items():
-            assert count <= most, f"{name} has {count} functions; its instances share at most {most}"
+            assert count <= most, (
+                f"{name} has {count} functions; its instances share at most {most}"
+            )

@@ -57,7 +57,9 @@ async def every_ray_goes_to_one_core_and_tiles_stay_together(dut, p_valid, p_rea
         got = ids(core)
         assert got == sorted(got), "rays of a core keep their order"
         for at in range(0, len(got), tile):
-            assert got[at] % tile == 0 and got[at : at + tile] == list(range(got[at], got[at] + tile))
+            assert got[at] % tile == 0 and got[at : at + tile] == list(
+                range(got[at], got[at] + tile)
+            )
 
 
 @cocotb.test()
