@@ -5,8 +5,9 @@
 /// How tests leave an IST1: candidates to IST2, misses and errors home.
 ///
 /// Every result is taken at once into a queue with a place for each slot; the slot is given back when its
-/// result has left the queue.  One slot a cycle: candidates first, then misses, then errors.  2 cycles from
-/// result to output.
+/// result has gone from there to the register of its output.  One slot a cycle, round robin among candidates,
+/// misses and errors whose register has room, so each waits for at most two of the others.  2 cycles from result to
+/// output.
 module ti_ist1_egress #(
   parameter  int unsigned NumSlots  = 8,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
@@ -33,8 +34,8 @@ module ti_ist1_egress #(
   input logic                 failed_i,
   input logic [SlotWidth-1:0] failed_slot_i,
 
-  output logic               candidate_valid_o,
-  input  logic               candidate_ready_i,
+  output logic                         candidate_valid_o,
+  input  logic                         candidate_ready_i,
   output ti_intersect_pkg::candidate_t candidate_data_o,
 
   output logic            return_valid_o,
@@ -59,17 +60,15 @@ module ti_ist1_egress #(
   ti_pkg::home_t home_q[NumSlots];
   always_ff @(posedge clk_i) if (take_i) home_q[take_slot_i] <= take_home_i;
 
-  logic
-      kept_valid,
-      kept_ready,
-      kept_leaves,
-      miss_valid,
-      failed_valid,
-      over_valid,
-      over_ready,
-      over_leaves;
+  // Waiting results, by kind.
+  localparam int unsigned Inside = 0;
+  localparam int unsigned Miss = 1;
+  localparam int unsigned Failed = 2;
+  localparam int unsigned NumKinds = 3;
+
+  logic [NumKinds-1:0] waits, has_room, request, grant;
   inside_t kept;
-  slot_t miss_slot, failed_slot, over_slot;
+  slot_t miss_slot, failed_slot;
 
   ti_queue #(
     .payload_t(inside_t),
@@ -81,8 +80,8 @@ module ti_ist1_egress #(
     .push_data_i(
     '{slot: result_slot_i, prim: prim_i, det: det_i, dett: dett_i, detu: detu_i, detv: detv_i}
     ),
-    .out_valid_o(kept_valid),
-    .out_ready_i(kept_ready),
+    .out_valid_o(waits[Inside]),
+    .out_ready_i(grant[Inside]),
     .out_data_o(kept)
   );
 
@@ -94,8 +93,8 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i     (miss_i),
     .push_data_i(result_slot_i),
-    .out_valid_o(miss_valid),
-    .out_ready_i(over_leaves && miss_valid),
+    .out_valid_o(waits[Miss]),
+    .out_ready_i(grant[Miss]),
     .out_data_o (miss_slot)
   );
 
@@ -107,17 +106,37 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i     (failed_i),
     .push_data_i(failed_slot_i),
-    .out_valid_o(failed_valid),
-    .out_ready_i(over_leaves && !miss_valid),
+    .out_valid_o(waits[Failed]),
+    .out_ready_i(grant[Failed]),
     .out_data_o (failed_slot)
   );
 
-  assign kept_leaves = kept_valid && kept_ready;
-  assign over_valid  = (miss_valid || failed_valid) && !kept_leaves;
-  assign over_leaves = over_valid && over_ready;
-  assign over_slot   = miss_valid ? miss_slot : failed_slot;
-  assign give_o      = kept_leaves || over_leaves;
-  assign give_slot_o = kept_leaves ? kept.slot : over_slot;
+  // Which kind gives its slot back in this cycle.
+  typedef logic [$clog2(NumKinds)-1:0] kind_t;
+  kind_t kind, from_q;
+  logic candidate_room, return_room;
+
+  assign has_room = {return_room, return_room, candidate_room};
+  assign request  = waits & has_room;
+  assign grant    = give_o ? NumKinds'(1) << kind : '0;
+
+  ti_round_robin #(
+    .Num(NumKinds)
+  ) u_choice (
+    .request_i(request),
+    .from_i   (from_q),
+    .any_o    (give_o),
+    .index_o  (kind)
+  );
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) from_q <= '0;
+    else if (give_o) from_q <= (kind == kind_t'(NumKinds - 1)) ? '0 : kind + 1'b1;
+  end
+
+  slot_t result_slot;
+  assign result_slot = grant[Failed] ? failed_slot : miss_slot;
+  assign give_slot_o = grant[Inside] ? kept.slot : result_slot;
 
   ti_intersect_pkg::candidate_t candidate;
   assign candidate = '{
@@ -129,21 +148,22 @@ module ti_ist1_egress #(
           detv: kept.detv
       };
 
-  ti_pkg::return_t over;
+  ti_pkg::return_t result;
   always_comb begin
-    over       = '0;
-    over.home  = home_q[over_slot];
-    over.count = 16'd1;
-    over.error = !miss_valid;
+    result       = '0;
+    result.home  = home_q[result_slot];
+    result.count = 16'd1;
+    result.error = grant[Failed];
   end
 
+  // Filled only while they have room, so nothing waits at their inputs.
   ti_stage #(
     .payload_t(ti_intersect_pkg::candidate_t)
   ) u_candidate_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (kept_valid),
-    .in_ready_o (kept_ready),
+    .in_valid_i (grant[Inside]),
+    .in_ready_o (candidate_room),
     .in_data_i  (candidate),
     .out_valid_o(candidate_valid_o),
     .out_ready_i(candidate_ready_i),
@@ -155,14 +175,21 @@ module ti_ist1_egress #(
   ) u_return_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (over_valid),
-    .in_ready_o (over_ready),
-    .in_data_i  (over),
+    .in_valid_i (grant[Miss] || grant[Failed]),
+    .in_ready_o (return_room),
+    .in_data_i  (result),
     .out_valid_o(return_valid_o),
     .out_ready_i(return_ready_i),
     .out_data_o (return_data_o)
   );
 
   `TI_ASSERT(OneResultAtATime, !(inside_i && miss_i))
+  `TI_ASSERT(GrantOneHot, $onehot0(grant))
+  `TI_ASSERT(GrantOnlyWaitingWithRoom, (grant & ~(waits & has_room)) == '0)
+  `TI_ASSERT(CandidateHeldUntilTaken,
+             candidate_valid_o && !candidate_ready_i |=> candidate_valid_o && $stable
+             (candidate_data_o))
+  `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
+                                   (return_data_o))
 
 endmodule : ti_ist1_egress

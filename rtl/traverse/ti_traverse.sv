@@ -11,10 +11,10 @@
 module ti_traverse #(
   localparam int unsigned NumTrv = ti_config_pkg::NumTrv
 ) (
-  input  logic           clk_i,
-  input  logic           rst_ni,
-  input  logic           flush_i,  // forget all lines; only while idle
-  output logic           idle_o,   // no ray in a TRV, nothing on its way from memory
+  input  logic                clk_i,
+  input  logic                rst_ni,
+  input  logic                flush_i,      // forget all lines; only while idle
+  output logic                idle_o,       // no ray in a TRV, nothing on its way from memory
   // Where the scene stands.
   input  ti_pkg::node_index_t root_i,
   input  ti_mem_pkg::addr_t   node_base_i,
@@ -31,8 +31,8 @@ module ti_traverse #(
 
   output logic          [NumTrv-1:0] leaf_valid_o,
   input  logic          [NumTrv-1:0] leaf_ready_i,
-  input  logic          [NumTrv-1:0] leaf_lost_i,            // another TRV was served
-  output ti_pkg::leaf_t              leaf_data_o   [NumTrv],
+  input  logic          [NumTrv-1:0] leaf_lost_i,          // another TRV was served
+  output ti_pkg::leaf_t              leaf_data_o [NumTrv],
 
   input  logic            [NumTrv-1:0] return_valid_i,
   output logic            [NumTrv-1:0] return_ready_o,
@@ -77,7 +77,7 @@ module ti_traverse #(
     .events_o        (rd_events)
   );
 
-  ti_count_pkg::rd_events_t rd_events;
+  ti_count_pkg::rd_events_t  rd_events;
   ti_count_pkg::trv_events_t trv_events[NumTrv];
   always_comb begin
     rd_events_o = rd_events;

@@ -235,7 +235,7 @@ module ti_rd_clip #(
   logic ordered, invalid;
   assign tmin_size = {1'b0, tmin_q[W-2:0]};
   assign tmax_size = {1'b0, tmax_q[W-2:0]};
-  assign tmin_out  = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
+  assign tmin_out = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
   assign tmax_out  = (tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)) ? ti_num_pkg::Inf :
       tmax_size + fp_t'(Outward);
   ti_fp_cmp #(

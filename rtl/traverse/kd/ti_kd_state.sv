@@ -83,6 +83,12 @@ module ti_kd_state #(
     ti_pkg::fp_t         tmax;
   } entry_t;
 
+  // Where an entry of a slot's ring stands in the memory of all slots.
+  function automatic logic [StackAddrWidth-1:0] place_of(input slot_t slot,
+                                                         input pointer_t pointer);
+    return StackAddrWidth'(slot) * StackAddrWidth'(StackDepth) + StackAddrWidth'(pointer);
+  endfunction
+
   // Two cycles before the end the state is read, one before it what the state points to.
   logic  early_valid;
   slot_t early_slot;
@@ -150,11 +156,11 @@ module ti_kd_state #(
     .word_t(entry_t)
   ) u_stack (
     .clk_i,
-    .read_en_i   (late_valid_o),
-    .read_addr_i (StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) + StackAddrWidth'(late_top)),
-    .read_data_o (top),
-    .write_en_i  (end_valid_i && push_i),
-    .write_addr_i(StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) + StackAddrWidth'(state.pointer)),
+    .read_en_i(late_valid_o),
+    .read_addr_i(place_of(late_slot_o, late_top)),
+    .read_data_o(top),
+    .write_en_i(end_valid_i && push_i),
+    .write_addr_i(place_of(end_slot_i, state.pointer)),
     .write_data_i('{node: far_i, tmax: state.interval.tmax})
   );
 

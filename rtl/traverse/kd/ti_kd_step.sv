@@ -13,17 +13,17 @@ module ti_kd_step #(
   input logic clk_i,
   input logic rst_ni,
 
-  input logic                         valid_i,
-  input logic          [TagWidth-1:0] tag_i,
+  input logic                            valid_i,
+  input logic             [TagWidth-1:0] tag_i,
   input ti_kd_pkg::node_t                node_i,
-  input ti_pkg::vec3_t                o_i,
-  input ti_pkg::vec3_t                inv_i,
+  input ti_pkg::vec3_t                   o_i,
+  input ti_pkg::vec3_t                   inv_i,
 
-  output logic                         valid_o,
-  output logic          [TagWidth-1:0] tag_o,
+  output logic                            valid_o,
+  output logic             [TagWidth-1:0] tag_o,
   output ti_kd_pkg::node_t                node_o,
-  output logic                         negative_o,  // sign of the direction on the node's axis
-  output ti_pkg::fp_t                  t_o
+  output logic                            negative_o,  // sign of the direction on the node's axis
+  output ti_pkg::fp_t                     t_o
 );
 
   localparam int unsigned E = ti_num_pkg::ExpBits;
