@@ -15,9 +15,9 @@ module ti_arbiter #(
   input logic rst_ni,
 
   input  logic     [NumIn-1:0] in_valid_i,
-  output logic     [NumIn-1:0] in_ready_o,         // the grant: only where valid
-  output logic     [NumIn-1:0] in_lost_o,          // valid, and another is served in its place
-  input  payload_t             in_data_i  [NumIn],
+  output logic     [NumIn-1:0] in_ready_o,        // the grant: only where valid
+  output logic     [NumIn-1:0] in_lost_o,         // valid, and another is served in its place
+  input  payload_t             in_data_i [NumIn],
 
   output logic     out_valid_o,
   input  logic     out_ready_i,

@@ -19,7 +19,7 @@ module ti_xbar #(
   input  logic     [NumIn-1:0]                in_valid_i,
   output logic     [NumIn-1:0]                in_ready_o,         // the grant: only where valid
   output logic     [NumIn-1:0]                in_lost_o,          // another is served in its place
-  input  payload_t                            in_data_i  [NumIn],
+  input  payload_t                            in_data_i [NumIn],
   input  logic     [NumIn-1:0][DestWidth-1:0] in_dest_i,
 
   output logic     [NumOut-1:0] out_valid_o,

@@ -7,7 +7,7 @@
 /// The numbers of the events are those of `ti_count_pkg`.
 module ti_counters #(
   /// Events, 1 or more.
-  parameter int unsigned Num = 1,
+  parameter  int unsigned Num   = 1,
   localparam int unsigned Width = $bits(ti_count_pkg::count_t)
 ) (
   input logic clk_i,

@@ -8,7 +8,7 @@
 /// the same ports, and as each unit has its own stream of answers, banks can answer several in a cycle.
 module ti_lines #(
   /// Units of the kind, 1 or more.
-  parameter int unsigned NumUnits = 1,
+  parameter int unsigned NumUnits  = 1,
   /// Number of the first one's port among those of the core.
   parameter int unsigned FirstPort = 0
 ) (

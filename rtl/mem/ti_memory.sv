@@ -5,9 +5,9 @@
 /// Each kind of unit has a `ti_lines` with its own bus of answers; the kinds share the port, round robin.  2 cycles for
 /// a request besides those of `ti_axi_read`, which also adds 1 to an answer.
 module ti_memory #(
-  localparam int unsigned NumPorts  = ti_mem_pkg::NumPorts,
-  localparam int unsigned NumKinds  = ti_mem_pkg::NumKinds,
-  localparam int unsigned MaxReads  = ti_config_pkg::MaxReads,
+  localparam int unsigned NumPorts   = ti_mem_pkg::NumPorts,
+  localparam int unsigned NumKinds   = ti_mem_pkg::NumKinds,
+  localparam int unsigned MaxReads   = ti_config_pkg::MaxReads,
   localparam int unsigned AxiIdWidth = (MaxReads > 1) ? $clog2(MaxReads) : 1
 ) (
   input logic clk_i,

@@ -28,8 +28,8 @@ module ti_ra #(
   input  logic clk_i,
   input  logic rst_ni,
   input  logic flush_i,
-  output logic idle_o,     // no request inside, no line on its way
-  output logic waits_o,    // a line is on its way
+  output logic idle_o,   // no request inside, no line on its way
+  output logic waits_o,  // a line is on its way
 
   input  logic                              req_valid_i,
   output logic                              req_ready_o,
@@ -108,9 +108,9 @@ module ti_ra #(
   // An answer counts where its row waits for one.
   logic fill, row_exists;
   row_t fill_row;
-  assign row_exists       = 32'(line_rsp_data_i.id) < Rows;
-  assign fill_row         = line_rsp_data_i.id[RowWidth-1:0];
-  assign fill             = line_rsp_valid_i && row_exists && row_busy_q[fill_row] && !row_filled_q[fill_row];
+  assign row_exists = 32'(line_rsp_data_i.id) < Rows;
+  assign fill_row = line_rsp_data_i.id[RowWidth-1:0];
+  assign fill = line_rsp_valid_i && row_exists && row_busy_q[fill_row] && !row_filled_q[fill_row];
   assign line_rsp_ready_o = 1'b1;
 
   line_addr_t req_line;
@@ -126,7 +126,11 @@ module ti_ra #(
     if (req_valid_i && req_ready_o) begin
       s1_slot_q <= req_slot_i;
       s1_line_q <= req_line;
-      s1_elem_q <= (Elems > 1) ? elem_t'(req_addr_i[$clog2(LineBytes)-1:0] >> $clog2(ElemBytes)) : '0;
+      s1_elem_q <= (Elems > 1) ? elem_t'(req_addr_i[$clog2(
+          LineBytes
+      )-1:0] >> $clog2(
+          ElemBytes
+      )) : '0;
     end
   end
 
@@ -160,25 +164,25 @@ module ti_ra #(
 
   // Filled rows hand out before hits, in the order in which they were filled.  A hit that waits keeps new rows
   // from forming, so it waits for at most the rows there are.
-  assign merge          = |row_match;
-  assign row_free_any   = !(&row_busy_q);
-  assign s2_free        = !s2_valid_q || rsp_ready_i;
-  assign drain          = filled && s2_free;
-  assign drain_slot     = row_head_q[drain_row];
-  assign drain_last     = drain && drain_slot == row_tail_q[drain_row];
-  assign use_merge      = s1_valid_q && merge;
-  assign use_hit        = s1_valid_q && !merge && hit && s2_free && !filled;
-  assign may_ask        = row_free_any && victim_valid && line_queue_ready;
-  assign use_miss       = s1_valid_q && !merge && !hit && may_ask;
-  assign s1_done        = use_merge || use_hit || use_miss;
+  assign merge                = |row_match;
+  assign row_free_any         = !(&row_busy_q);
+  assign s2_free              = !s2_valid_q || rsp_ready_i;
+  assign drain                = filled && s2_free;
+  assign drain_slot           = row_head_q[drain_row];
+  assign drain_last           = drain && drain_slot == row_tail_q[drain_row];
+  assign use_merge            = s1_valid_q && merge;
+  assign use_hit              = s1_valid_q && !merge && hit && s2_free && !filled;
+  assign may_ask              = row_free_any && victim_valid && line_queue_ready;
+  assign use_miss             = s1_valid_q && !merge && !hit && may_ask;
+  assign s1_done              = use_merge || use_hit || use_miss;
 
   assign events_o.l1_accesses = s1_done;
   assign events_o.l1_hits     = use_hit;
   assign events_o.l1_merged   = use_merge;
   assign events_o.l1_misses   = use_miss;
 
-  assign idle_o  = !s1_valid_q && !s2_valid_q && row_busy_q == '0;
-  assign waits_o = (row_busy_q & ~row_filled_q) != '0;
+  assign idle_o               = !s1_valid_q && !s2_valid_q && row_busy_q == '0;
+  assign waits_o              = (row_busy_q & ~row_filled_q) != '0;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin

@@ -20,6 +20,7 @@ module ti_switch_top #(
 
   input  logic        in_valid_i[ArbiterInputs],
   output logic        in_ready_o[ArbiterInputs],
+  output logic        in_lost_o [ArbiterInputs],
   input  logic [15:0] in_data_i [ArbiterInputs],
 
   output logic        out_valid_o[NumArbiters],
@@ -28,6 +29,7 @@ module ti_switch_top #(
 
   input  logic        xbar_in_valid_i[XbarInputs],
   output logic        xbar_in_ready_o[XbarInputs],
+  output logic        xbar_in_lost_o [XbarInputs],
   input  logic [15:0] xbar_in_data_i [XbarInputs],
 
   output logic        xbar_out_valid_o[XbarOutputs],
@@ -40,13 +42,14 @@ module ti_switch_top #(
   for (genvar a = 0; a < NumArbiters; a++) begin : gen_arbiter
     localparam int unsigned Num = ArbiterIn[a];
     localparam int unsigned First = (a == 0) ? 0 : (a == 1) ? 1 : 3;
-    logic [Num-1:0] valid, ready;
-    payload_t [Num-1:0] data;
+    logic [Num-1:0] valid, ready, lost;
+    payload_t data[Num];
 
     for (genvar i = 0; i < Num; i++) begin : gen_in
       assign valid[i]            = in_valid_i[First+i];
       assign data[i]             = in_data_i[First+i];
       assign in_ready_o[First+i] = ready[i];
+      assign in_lost_o[First+i]  = lost[i];
     end
 
     ti_arbiter #(
@@ -57,6 +60,7 @@ module ti_switch_top #(
       .rst_ni,
       .in_valid_i (valid),
       .in_ready_o (ready),
+      .in_lost_o  (lost),
       .in_data_i  (data),
       .out_valid_o(out_valid_o[a]),
       .out_ready_i(out_ready_i[a]),
@@ -70,17 +74,18 @@ module ti_switch_top #(
     localparam int unsigned FirstIn = (x == 0) ? 0 : (x == 1) ? 4 : (x == 2) ? 7 : 12;
     localparam int unsigned FirstOut = (x == 0) ? 0 : (x == 1) ? 4 : (x == 2) ? 9 : 11;
     localparam int unsigned DestWidth = (NumOut > 1) ? $clog2(NumOut) : 1;
-    logic [NumIn-1:0] in_valid, in_ready;
-    payload_t [NumIn-1:0] in_data;
+    logic [NumIn-1:0] in_valid, in_ready, in_lost;
+    payload_t in_data[NumIn];
     logic [NumIn-1:0][DestWidth-1:0] in_dest;
     logic [NumOut-1:0] out_valid, out_ready;
-    payload_t [NumOut-1:0] out_data;
+    payload_t out_data[NumOut];
 
     for (genvar i = 0; i < NumIn; i++) begin : gen_in
       assign in_valid[i]                = xbar_in_valid_i[FirstIn+i];
       assign in_data[i]                 = xbar_in_data_i[FirstIn+i];
       assign in_dest[i]                 = xbar_in_data_i[FirstIn+i][13+:DestWidth];
       assign xbar_in_ready_o[FirstIn+i] = in_ready[i];
+      assign xbar_in_lost_o[FirstIn+i]  = in_lost[i];
     end
     for (genvar o = 0; o < NumOut; o++) begin : gen_out
       assign xbar_out_valid_o[FirstOut+o] = out_valid[o];
@@ -97,6 +102,7 @@ module ti_switch_top #(
       .rst_ni,
       .in_valid_i (in_valid),
       .in_ready_o (in_ready),
+      .in_lost_o  (in_lost),
       .in_data_i  (in_data),
       .in_dest_i  (in_dest),
       .out_valid_o(out_valid),

@@ -4,7 +4,7 @@
 import cocotb
 from agents.bench import cycle, run, start
 from agents.stream import Sink, Source, stalls
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge, Timer
 
 # The arbiters of the top: first input, and number of inputs.
 ARBITERS = {0: (0, 1), 1: (1, 2), 2: (3, 5)}
@@ -21,13 +21,19 @@ def ends(dut, arbiter):
 
 
 async def watch_passes(dut, arbiter, passes):
-    """Note how many others each beat of an input saw served before it, from when it was offered."""
+    """Note how many others each beat of an input saw served before it, from when it was offered.
+
+    An input has lost where it is valid and another is served.
+    """
     first, num = ARBITERS[arbiter]
     waited = [0] * num
     while True:
         await ReadOnly()
         valid = [dut.in_valid_i[first + i].value == 1 for i in range(num)]
         served = [valid[i] and dut.in_ready_o[first + i].value == 1 for i in range(num)]
+        assert sum(served) <= 1
+        lost = [dut.in_lost_o[first + i].value == 1 for i in range(num)]
+        assert lost == [valid[i] and any(served) and not served[i] for i in range(num)]
         for i in range(num):
             if served[i]:
                 passes.append(waited[i])
@@ -85,6 +91,45 @@ async def moves_one_beat_a_cycle(dut, arbiter, busy):
     await sink.receive(64)
 
     assert cycle() - before == 1 + 64
+
+
+@cocotb.test()
+@cocotb.parametrize(arbiter=list(ARBITERS))
+async def takes_two_beats_while_the_output_sleeps(dut, arbiter):
+    await start(dut)
+    sources, sink = ends(dut, arbiter)
+    for i, source in enumerate(sources):
+        cocotb.start_soon(source.send(beats_of(i, 4)))
+    first, num = ARBITERS[arbiter]
+    taken = 0
+    for _ in range(10):
+        await ReadOnly()
+        taken += sum(dut.in_ready_o[first + i].value == 1 for i in range(num))
+        await RisingEdge(dut.clk_i)
+    await ReadOnly()
+
+    assert taken == 2
+    assert all(dut.in_lost_o[first + i].value == 0 for i in range(num)), "none is served"
+    await RisingEdge(dut.clk_i)
+    assert len(await sink.receive(4 * num)) == 4 * num
+
+
+@cocotb.test()
+@cocotb.parametrize(arbiter=list(ARBITERS), held=[0, 1, 2])
+async def the_grant_does_not_see_the_ready_of_its_cycle(dut, arbiter, held):
+    """With 0, 1 and 2 beats inside."""
+    await start(dut)
+    first, num = ARBITERS[arbiter]
+    last = first + num - 1
+    dut.in_valid_i[last].value = 1
+    await ClockCycles(dut.clk_i, held)
+    grants = []
+    for ready in (0, 1, 0, 1):
+        dut.out_ready_i[arbiter].value = ready
+        await Timer(1, "ns")
+        grants.append(int(dut.in_ready_o[last].value))
+
+    assert grants == [int(held < 2)] * 4
 
 
 def test_ti_arbiter():

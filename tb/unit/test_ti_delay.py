@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_delay` gives each payload back exactly `Cycles` cycles later, for 0 to 7 cycles."""
+"""`ti_delay` gives each payload back exactly `Cycles` cycles later, 0 to 7, as ring and as chain."""
 
 import cocotb
+import pytest
 from agents.bench import run, start
 from cocotb.triggers import ReadOnly, RisingEdge
 
@@ -22,5 +23,6 @@ async def delays_by_exactly_its_cycles(dut, cycles):
         await RisingEdge(dut.clk_i)
 
 
-def test_ti_delay():
-    run("ti_common_top", "test_ti_delay")
+@pytest.mark.parametrize("ring_delays", [1, 0])
+def test_ti_delay(ring_delays):
+    run("ti_common_top", "test_ti_delay", config=f"tiny ring_delays={ring_delays}")
