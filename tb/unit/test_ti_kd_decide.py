@@ -119,9 +119,9 @@ def inner_rule(c, word):
 def leaf_rule(c, word):
     n = numbers()
     full = int(word >> 3 != 0)
-    over = {"leaf": full, "done": int(not full), "status": OK, "push": 0}
+    ends = {"leaf": full, "done": int(not full), "status": OK, "push": 0}
     if not full and n.model("fp_le", c["tbest"], c["tmax"]):
-        return {**over, "go": 0}
+        return {**ends, "go": 0}
     on = {"leaf": full, "go": 1, "push": 0, "tmin": c["tmax"]}
     if c["level"]:
         rest = {"next": TOP, "tmax": c["top_tmax"], "level": c["level"] - 1, "pop": 1}
@@ -129,7 +129,7 @@ def leaf_rule(c, word):
     if c["dropped"] and c["tmax"] != c["ray_tmax"]:
         rest = {"next": ROOT, "tmax": c["ray_tmax"], "level": 0, "pop": 0}
         return {**on, **rest, "dropped": 0, "restart": 1}
-    return {**over, "go": 0}
+    return {**ends, "go": 0}
 
 
 async def check(dut, cases):
