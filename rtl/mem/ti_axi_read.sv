@@ -5,7 +5,7 @@
 /// Line requests to an AXI4 read port: one burst of one beat a line, the data bus as wide as a line.
 ///
 /// At most `MaxReads` reads are outstanding.  ARID is the number of a free entry of the table that keeps the
-/// identities of the requests, so answers may come in any order.  Outputs come from registers: 2 cycles for a
+/// identities of the requests, so answers may come in any order.  Outputs come from registers: 1 cycle for a
 /// request, 1 for an answer; one a cycle each way.  SLVERR, DECERR and a beat without RLAST come back as an
 /// error.  A beat under an id that is not outstanding is dropped and reported by the event `strays`: so beats that
 /// a reset leaves behind do no harm while they come before their id is used again.  A reset in the middle of
@@ -16,7 +16,7 @@
 module ti_axi_read #(
   /// What a request is known by.
   parameter type id_t = logic,
-  /// Reads in flight, 1 to 1024.
+  /// Reads in flight, a power of two from 2 to 1024.
   parameter int unsigned MaxReads = 16,
   localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
   localparam int unsigned AxiIdWidth = (MaxReads > 1) ? $clog2(MaxReads) : 1

@@ -6,26 +6,39 @@ from cocotb.triggers import ReadOnly, RisingEdge
 
 OKAY, EXOKAY, SLVERR, DECERR = range(4)
 INCR = 1
+AR = ("id", "addr", "len", "size", "burst", "lock", "cache", "prot", "qos")
+BUFFERABLE = 0b0011  # normal, non-cacheable
 
 
 class AxiMemory:
     """Answers `m_axi_ar*` on `m_axi_r*`, in random order among the answers that are due.
 
     `latency()` is the number of cycles from a request to its answer, `ready()` the ready bit of
-    each cycle, `resp()` the response of each answer; bytes of a bad answer are random.  Lines that
-    touch no image are answered with DECERR.  Checks that a request is one aligned beat of a line,
-    stays until it is taken, and carries an identity that is not in flight; and that answers are
-    always taken.
+    each cycle, `resp()` and `last()` the response and RLAST of each answer; bytes of a bad answer
+    are random.  Lines that touch no image are answered with DECERR.  `repeat()` says of each answer
+    whether another of random bytes follows it in the next cycle, under its identity; `stray()`
+    gives one under any.  Checks that a request is one aligned beat of a line, stays with all that
+    belongs to it until it is taken, and carries an identity that is not in flight; and, unless
+    `stalls`, that answers are always taken.
     """
 
-    def __init__(self, dut, rng, *, latency=lambda: 10, ready=lambda: 1, resp=lambda: OKAY):
-        self._dut, self._rng = dut, rng
-        self.latency, self.ready, self.resp = latency, ready, resp
+    def __init__(
+        self, dut, rng, *, latency=lambda: 10, ready=lambda: 1, resp=lambda: OKAY, stalls=False
+    ):
+        self._dut, self._rng, self._stalls = dut, rng, stalls
+        self.latency, self.ready, self.resp, self.last = latency, ready, resp, lambda: 1
+        self.repeat = lambda: False
         self._line_bytes = len(dut.m_axi_rdata) // 8
         self._images = []  # (base, bytes)
         self._waiting = []  # (cycle when due, identity, address)
+        self._strays = []  # identities
+        self._again = None  # the identity of the answer to repeat
+        self._shown = None  # the identity of the answer at the port; `_real`: somebody asked
+        self._real = False
         self._stalled = None  # the request that was not taken
         self.addresses = []  # of all requests, in order
+        self.answers = []  # (address, response, RLAST) of all answers, in order
+        self.strays = 0  # beats that were taken and answered nothing
         for name in ("arready", "rvalid", "rid", "rdata", "rresp", "rlast"):
             self._port(name).value = 0
         cocotb.start_soon(self._run())
@@ -37,10 +50,24 @@ class AxiMemory:
     def forget(self):
         """Drop what is in flight, as a slave does on reset."""
         self._waiting.clear()
-        self._stalled = None
+        self._stalled = self._shown = self._again = None
 
     def in_flight(self):
-        return len(self._waiting)
+        return len(self._waiting) + (self._shown is not None and self._real)
+
+    def stray(self, identity):
+        """In the next cycle without an answer, give one of random bytes under `identity`."""
+        self._strays.append(identity)
+
+    def line(self, address):
+        """A line as an integer, or None outside of all images."""
+        for base, data in self._images:
+            start = address - base
+            if -self._line_bytes < start < len(data):
+                piece = data[max(start, 0) : start + self._line_bytes]
+                piece = piece.rjust(self._line_bytes, b"\0") if start < 0 else piece
+                return int.from_bytes(piece, "little")
+        return None
 
     def _port(self, name):
         return getattr(self._dut, f"m_axi_{name}")
@@ -52,8 +79,12 @@ class AxiMemory:
             self._port("arready").value = int(self.ready())
             await ReadOnly()
             if self._dut.rst_ni.value == 1:
-                assert self._port("rready").value == 1, "answers are always taken"
                 self._ask(cycle)
+                taken = self._port("rready").value == 1
+                assert taken or self._stalls, "answers are always taken"
+                if taken and self._shown is not None:
+                    self.strays += not self._real
+                    self._shown = None
             await RisingEdge(self._dut.clk_i)
             cycle += 1
 
@@ -61,39 +92,47 @@ class AxiMemory:
         if self._port("arvalid").value == 0:
             assert self._stalled is None, "a request went away before it was taken"
             return
-        identity, address = int(self._port("arid").value), int(self._port("araddr").value)
-        assert self._stalled in (None, (identity, address)), "a request changed while it waited"
-        self._stalled = None if self._port("arready").value == 1 else (identity, address)
+        request = {name: int(self._port(f"ar{name}").value) for name in AR}
+        assert self._stalled in (None, request), "a request changed while it waited"
+        self._stalled = None if self._port("arready").value == 1 else request
         if self._stalled:
             return
+        identity, address = request["id"], request["addr"]
         assert address % self._line_bytes == 0
-        assert self._port("arlen").value == 0 and self._port("arburst").value == INCR
-        assert 1 << int(self._port("arsize").value) == self._line_bytes
-        assert all(identity != other for _, other, _ in self._waiting), f"{identity} is in flight"
+        assert request["len"] == 0 and request["burst"] == INCR
+        assert 1 << request["size"] == self._line_bytes
+        assert request["cache"] == BUFFERABLE
+        assert request["lock"] == request["prot"] == request["qos"] == 0
+        taken = {other for _, other, _ in self._waiting}
+        if self._shown is not None and self._real:
+            taken.add(self._shown)
+        assert identity not in taken, f"{identity} is in flight"
         self._waiting.append((cycle + max(self.latency(), 1), identity, address))
         self.addresses.append(address)
 
     def _answer(self, cycle):
-        due = [entry for entry in self._waiting if entry[0] <= cycle]
-        self._port("rvalid").value = bool(due)
-        if not due:
+        if self._shown is not None:
             return
-        entry = self._rng.choice(due)
-        self._waiting.remove(entry)
-        _, identity, address = entry
-        line = self._line(address)
-        resp = DECERR if line is None else self.resp()
-        bad = resp in (SLVERR, DECERR)
-        data = self._rng.getrandbits(8 * self._line_bytes) if bad else line
-        for name, value in [("rid", identity), ("rdata", data), ("rresp", resp), ("rlast", 1)]:
-            self._port(name).value = value
+        due = [entry for entry in self._waiting if entry[0] <= cycle]
+        self._port("rvalid").value = self._again is not None or bool(due or self._strays)
+        if self._again is not None:
+            self._show(self._again, None, self._rng.randrange(4), self._rng.getrandbits(1))
+            self._again = None
+        elif due:
+            entry = self._rng.choice(due)
+            self._waiting.remove(entry)
+            _, identity, address = entry
+            line = self.line(address)
+            resp, last = DECERR if line is None else self.resp(), int(self.last())
+            self._show(identity, None if resp in (SLVERR, DECERR) else line, resp, last)
+            self._real = True
+            self.answers.append((address, resp, last))
+            self._again = identity if self.repeat() else None
+        elif self._strays:
+            self._show(self._strays.pop(0), None, self._rng.randrange(4), self._rng.getrandbits(1))
 
-    def _line(self, address):
-        """A line as an integer, or None outside of all images."""
-        for base, data in self._images:
-            start = address - base
-            if -self._line_bytes < start < len(data):
-                piece = data[max(start, 0) : start + self._line_bytes]
-                piece = piece.rjust(self._line_bytes, b"\0") if start < 0 else piece
-                return int.from_bytes(piece, "little")
-        return None
+    def _show(self, identity, data, resp, last):
+        self._shown, self._real = identity, False
+        data = self._rng.getrandbits(8 * self._line_bytes) if data is None else data
+        for name, value in [("rid", identity), ("rdata", data), ("rresp", resp), ("rlast", last)]:
+            self._port(name).value = value

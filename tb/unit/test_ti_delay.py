@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_delay` gives each payload back exactly `Cycles` cycles later, 0 to 7, as ring and as chain."""
+"""`ti_delay` gives a payload back exactly `Cycles` cycles later, 0 to 7, as ring and as chain."""
 
 import cocotb
 import pytest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_xbar` brings every beat once to the output it names, in order, one a cycle, and starves none."""
+"""`ti_xbar` brings each beat once to the output it names, in order, one a cycle; none starves."""
 
 import cocotb
 from agents.bench import cycle, run, start

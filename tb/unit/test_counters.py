@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`scripts/counters.py`: package, C++ header and the table of docs/counters.md say the same."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import counters
+import pytest
+import yaml
+from models.payload import Payloads
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "scripts/counters.py"
+TABLE = ROOT / "docs/counters.md"
+UNITS = list(counters.description()["units"])
+CONFIGS = ["tiny", "small", "paper"]
+
+
+def config_of(name):
+    return yaml.safe_load((ROOT / f"configs/{name}.yaml").read_text())
+
+
+def in_order(kind, prefix=""):
+    """Names of the bits of a packed struct, from the lowest up; its structs are entered."""
+    names = []
+    for field, inner in reversed(kind.items()):
+        names += in_order(inner) if isinstance(inner, dict) else [field]
+    return names
+
+
+def rows():
+    """(unit, number, name, meaning) of each line of the table."""
+    line = re.compile(r"\| `?(\w+)`? \| (\d+) \| `(\w+)` \| (.*) \|")
+    return [(m[1], int(m[2]), m[3], m[4]) for m in line.finditer(TABLE.read_text())]
+
+
+def script(*arguments):
+    return subprocess.run(
+        [sys.executable, str(SCRIPT), *map(str, arguments)], capture_output=True, text=True
+    )
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_bit_i_of_the_struct_is_event_i(unit):
+    kind = Payloads(config_of("tiny"))._types[f"{unit}_events_t"]
+
+    assert in_order(kind) == list(counters.events(counters.description(), unit))
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_table_has_the_numbers_and_names_of_the_package(unit):
+    kind = Payloads(config_of("tiny"))._types[f"{unit}_events_t"]
+    table = {number: name for owner, number, name, _ in rows() if owner in ("every", unit)}
+
+    assert [table[i] for i in range(len(table))] == in_order(kind)
+
+
+def test_every_event_of_the_source_is_explained_in_the_table():
+    source = yaml.safe_load((ROOT / "rtl/count/counters.yaml").read_text())
+    texts = [(name, text) for _, _, name, text in rows()]
+
+    for group in (source["activity"], source["cache"], *source["units"].values()):
+        for name, text in group.items():
+            assert name == "cache" or (name, text) in texts
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_package_and_header_agree(name):
+    config = config_of(name)
+    package, header = counters.package(config), counters.header(config)
+    entry = re.compile(r'\{"(\w+)", (\d+), (\d+), \{(.*?)\}\}')
+    entries = {m[1]: (int(m[2]), int(m[3]), m[4]) for m in entry.finditer(header)}
+    first = 0
+
+    assert list(entries) == UNITS
+    for unit, (number, count, names) in entries.items():
+        names = re.findall(r'"(\w+)"', names)
+        assert names == list(counters.events(counters.description(), unit))
+        assert f"Unit{unit.capitalize()} = {number};" in package
+        assert f"Num{unit.capitalize()}Events = {len(names)};" in package
+        assert number == first and count == config.get(f"num_{unit}", 1)
+        first += count
+    assert f"NumUnits = {first};" in package
+    assert f"kActivities = {len(counters.description()['activity'])};" in header
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_the_indices_are_wide_enough(name):
+    payloads = Payloads(config_of(name))
+    widest = max(len(counters.events(counters.description(), unit)) for unit in UNITS)
+    units = sum(counters.counts_of(config_of(name)).values())
+
+    assert 1 << payloads.width("event_index_t") >= widest
+    assert 1 << payloads.width("unit_index_t") >= units
+    assert payloads.width("count_t") == 48
+
+
+def test_the_page_has_the_table_of_the_source():
+    assert script("--check", TABLE).returncode == 0
+
+
+def test_another_table_is_told_and_mended(tmp_path):
+    page = tmp_path / "counters.md"
+    page.write_text(TABLE.read_text().replace("`rays`", "`beams`"))
+    told = script("--check", page)
+    assert told.returncode == 1 and "run scripts/counters.py --write" in told.stdout
+
+    assert script("--write", page).returncode == 0
+    assert page.read_text() == TABLE.read_text()
+    assert script("--check", page).returncode == 0
