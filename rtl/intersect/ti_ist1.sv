@@ -352,7 +352,7 @@ module ti_ist1 #(
     else if (ra_waits) events_o.activity.memory = 1'b1;
     else if ((candidate_valid_o && !candidate_ready_i) || (return_valid_o && !return_ready_i))
       events_o.activity.room = 1'b1;
-    else if (inside_q != '0) events_o.activity.latency = 1'b1;
+    else if (!idle_o) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
 
     events_o.a_passes = issue_q && !issue_b_q;

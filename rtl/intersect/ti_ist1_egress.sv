@@ -5,9 +5,9 @@
 /// How tests leave an IST1: candidates to IST2, misses and errors home.
 ///
 /// Every result is taken at once into a queue with a place for each slot; the slot is given back when its
-/// result has gone from there to the register of its output.  One slot a cycle, round robin among candidates,
-/// misses and errors whose register has room, so each waits for at most two of the others.  2 cycles from result to
-/// output.
+/// result has gone from there to the register of its output.  One slot a cycle, to outputs that have room: an
+/// output goes before the one served last, and of misses and errors the kind that did not go last.  So a candidate
+/// waits for at most one token, a token for at most three others.  2 cycles from result to output.
 module ti_ist1_egress #(
   parameter  int unsigned NumSlots  = 8,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
@@ -60,13 +60,10 @@ module ti_ist1_egress #(
   ti_pkg::home_t home_q[NumSlots];
   always_ff @(posedge clk_i) if (take_i) home_q[take_slot_i] <= take_home_i;
 
-  // Waiting results, by kind.
-  localparam int unsigned Inside = 0;
-  localparam int unsigned Miss = 1;
-  localparam int unsigned Failed = 2;
-  localparam int unsigned NumKinds = 3;
-
-  logic [NumKinds-1:0] waits, has_room, request, grant;
+  // Waiting results, and which of them gives its slot back in this cycle.
+  logic inside_waits, miss_waits, failed_waits, return_waits;
+  logic candidate_room, return_room;
+  logic inside_goes, miss_goes, failed_goes, return_goes;
   inside_t kept;
   slot_t miss_slot, failed_slot;
 
@@ -80,8 +77,8 @@ module ti_ist1_egress #(
     .push_data_i(
     '{slot: result_slot_i, prim: prim_i, det: det_i, dett: dett_i, detu: detu_i, detv: detv_i}
     ),
-    .out_valid_o(waits[Inside]),
-    .out_ready_i(grant[Inside]),
+    .out_valid_o(inside_waits),
+    .out_ready_i(inside_goes),
     .out_data_o(kept)
   );
 
@@ -93,8 +90,8 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i     (miss_i),
     .push_data_i(result_slot_i),
-    .out_valid_o(waits[Miss]),
-    .out_ready_i(grant[Miss]),
+    .out_valid_o(miss_waits),
+    .out_ready_i(miss_goes),
     .out_data_o (miss_slot)
   );
 
@@ -106,37 +103,37 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i     (failed_i),
     .push_data_i(failed_slot_i),
-    .out_valid_o(waits[Failed]),
-    .out_ready_i(grant[Failed]),
+    .out_valid_o(failed_waits),
+    .out_ready_i(failed_goes),
     .out_data_o (failed_slot)
   );
 
-  // Which kind gives its slot back in this cycle.
-  typedef logic [$clog2(NumKinds)-1:0] kind_t;
-  kind_t kind, from_q;
-  logic candidate_room, return_room;
+  // Fair between the outputs, and between the kinds that share one.
+  logic prefer_return_q, prefer_failed_q;
+  logic failed_first;
 
-  assign has_room = {return_room, return_room, candidate_room};
-  assign request  = waits & has_room;
-  assign grant    = give_o ? NumKinds'(1) << kind : '0;
-
-  ti_round_robin #(
-    .Num(NumKinds)
-  ) u_choice (
-    .request_i(request),
-    .from_i   (from_q),
-    .any_o    (give_o),
-    .index_o  (kind)
-  );
+  assign failed_first = failed_waits && (prefer_failed_q || !miss_waits);
+  assign return_waits = miss_waits || failed_waits;
+  assign return_goes  = return_waits && return_room &&
+      (prefer_return_q || !(inside_waits && candidate_room));
+  assign failed_goes = return_goes && failed_first;
+  assign miss_goes = return_goes && !failed_first;
+  assign inside_goes = inside_waits && candidate_room && !return_goes;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) from_q <= '0;
-    else if (give_o) from_q <= (kind == kind_t'(NumKinds - 1)) ? '0 : kind + 1'b1;
+    if (!rst_ni) begin
+      prefer_return_q <= 1'b0;
+      prefer_failed_q <= 1'b0;
+    end else begin
+      if (give_o) prefer_return_q <= inside_goes;
+      if (return_goes) prefer_failed_q <= miss_goes;
+    end
   end
 
   slot_t result_slot;
-  assign result_slot = grant[Failed] ? failed_slot : miss_slot;
-  assign give_slot_o = grant[Inside] ? kept.slot : result_slot;
+  assign result_slot = failed_first ? failed_slot : miss_slot;
+  assign give_o      = inside_goes || return_goes;
+  assign give_slot_o = inside_goes ? kept.slot : result_slot;
 
   ti_intersect_pkg::candidate_t candidate;
   assign candidate = '{
@@ -153,7 +150,7 @@ module ti_ist1_egress #(
     result       = '0;
     result.home  = home_q[result_slot];
     result.count = 16'd1;
-    result.error = grant[Failed];
+    result.error = failed_first;
   end
 
   // Filled only while they have room, so nothing waits at their inputs.
@@ -162,7 +159,7 @@ module ti_ist1_egress #(
   ) u_candidate_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (grant[Inside]),
+    .in_valid_i (inside_goes),
     .in_ready_o (candidate_room),
     .in_data_i  (candidate),
     .out_valid_o(candidate_valid_o),
@@ -175,7 +172,7 @@ module ti_ist1_egress #(
   ) u_return_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (grant[Miss] || grant[Failed]),
+    .in_valid_i (return_goes),
     .in_ready_o (return_room),
     .in_data_i  (result),
     .out_valid_o(return_valid_o),
@@ -184,8 +181,9 @@ module ti_ist1_egress #(
   );
 
   `TI_ASSERT(OneResultAtATime, !(inside_i && miss_i))
-  `TI_ASSERT(GrantOneHot, $onehot0(grant))
-  `TI_ASSERT(GrantOnlyWaitingWithRoom, (grant & ~(waits & has_room)) == '0)
+  `TI_ASSERT(GrantOneHot, $onehot0({inside_goes, miss_goes, failed_goes}))
+  `TI_ASSERT(CandidateGoesOnlyWhereRoom, inside_goes |-> candidate_room)
+  `TI_ASSERT(ReturnGoesOnlyWhereRoom, return_goes |-> return_room)
   `TI_ASSERT(CandidateHeldUntilTaken,
              candidate_valid_o && !candidate_ready_i |=> candidate_valid_o && $stable
              (candidate_data_o))

@@ -170,6 +170,25 @@ async def gives_a_state_in_every_cycle(dut):
     assert state.checked - before >= min(500, 500 * slots // (lead + 3)) - 1
 
 
+@cocotb.test()
+async def forgets_what_is_inside_on_reset(dut):
+    """No slot that was in the arithmetic comes out of a short reset."""
+    await start(dut)
+    lead = int(dut.Lead.value)
+    dut.step_valid_i.value = 1
+    for _ in range(lead + 2):
+        await RisingEdge(dut.clk_i)
+    dut.step_valid_i.value = 0
+    dut.rst_ni.value = 0
+    await RisingEdge(dut.clk_i)
+    dut.rst_ni.value = 1
+
+    for _ in range(lead + 2):
+        await ReadOnly()
+        assert dut.late_valid_o.value == 0
+        await RisingEdge(dut.clk_i)
+
+
 @pytest.mark.parametrize(
     "params",
     [

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import cocotb
 import pytest
-import ti_model
 from agents.bench import cycle, run, start
 from agents.events import Events
 from agents.idle import Idle, one
@@ -19,9 +18,20 @@ from models.numbers import numbers
 from models.payload import parameter, payloads
 from models.rays import clip, dispatched, ray
 from models.scene import BASE, Scene, rays_through, soup
+from models.traced import (
+    MEMORY_ERROR,
+    NO_PRIM,
+    OK,
+    WATCHDOG,
+    hit_of,
+    leaf_at_end,
+    nodes_of,
+    random_rays,
+    trace,
+    tracer,
+    work_of,
+)
 
-OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
-NO_PRIM = (1 << 32) - 1
 SLOTS_TO_FILL = 32  # fewer cannot keep the step pipeline busy
 RA_HIT = 2  # cycles of a `ti_ra` on a hit
 PATIENCE = 30_000  # cycles without a hit after which a ray is lost
@@ -82,48 +92,9 @@ def dispatch(scene, given, ray_id=0, any_hit=0):
     return dispatched(given, inv, tmin, tmax, ray_id, any_hit)
 
 
-def random_rays(rng, count):
-    n = numbers()
-    for o, d in rays_through(rng, count):
-        tmin = n.of(rng.choice((0.0, 0.0, 0.5)))
-        yield ray(o, d, tmin, rng.choice((n.inf, n.inf, n.of(rng.uniform(1, 3)))))
-
-
-def trace(tracer, given, any_hit=0):
-    """What the model makes of a ray."""
-    n = numbers()
-    o, d = ([n.float(x) for x in given[k]] for k in "od")
-    return tracer.trace(o, d, n.float(given["tmin"]), n.float(given["tmax"]), bool(any_hit))
-
-
-def nodes_of(traced):
-    return [int(line.split()[1]) for line in traced.log]
-
-
-def work_of(traced, nodes):
-    """The events of the walk through `nodes`, the first of the ray, or one more than it visits."""
-    leaves = [int(words[3]) if words[2] == "leaf" else None for words in map(str.split, traced.log)]
-    leaves = leaves[: len(nodes)]
-    left = [count for count, after in zip(leaves, nodes[1:], strict=False) if after == nodes[0]]
-    return Counter(
-        steps=len(nodes),
-        leaves=sum(count is not None for count in leaves),
-        full_leaves=sum(bool(count) for count in leaves),
-        restarts=sum(count == 0 for count in left),
-        restarts_after_tests=sum(bool(count) for count in left),
-    )
-
-
-def hit_of(traced, ray_id, any_hit):
-    values = {k: getattr(traced, k) for k in ("t", "u", "v", "status")}
-    found = traced.prim >= 0
-    prim = traced.prim if found else NO_PRIM
-    return {**values, "ray_id": ray_id, "hit": int(found), "prim": prim, "steps": traced.hit_steps}
-
-
 def tracer_of(dut, scene):
     depth, watchdog = int(dut.StackDepth.value), int(dut.WatchdogSteps.value)
-    return ti_model.Tracer.create(scene.image, depth, watchdog)
+    return tracer(scene, depth, watchdog)
 
 
 def put_scene(dut, scene):
@@ -162,7 +133,7 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
     rng, events = await setup(dut)
     scene = Scene(soup(rng, 300, size))
     put_scene(dut, scene)
-    tracer, steps = tracer_of(dut, scene), Steps(dut)
+    model, steps = tracer_of(dut, scene), Steps(dut)
     memory = ImageMemory(
         dut,
         scene.bytes,
@@ -179,7 +150,7 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
 
     total = Counter()
     for i, given in enumerate(rays):
-        want = trace(tracer, given, i % 3 == 0)
+        want = trace(model, given, i % 3 == 0)
         log = nodes_of(want)
         extra = steps.nodes[i][len(log) :]  # the step that the watchdog stops has no line
         assert steps.nodes[i][: len(log)] == log and len(extra) == (want.status == WATCHDOG), given
@@ -205,7 +176,7 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
     rng, events = await setup(dut)
     scene = Scene(soup(rng, 300))
     put_scene(dut, scene)
-    tracer, steps = tracer_of(dut, scene), Steps(dut)
+    model, steps = tracer_of(dut, scene), Steps(dut)
     memory = ImageMemory(dut, scene.bytes, BASE, fails=lambda line: bad(line))
     first = memory.line_of(scene.node_base)
 
@@ -219,7 +190,7 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
 
     errors, total = 0, Counter()
     for i, given in enumerate(rays):
-        traced = trace(tracer, given)
+        traced = trace(model, given)
         nodes, want = nodes_of(traced), hit_of(traced, i, 0)
         fatal = [bad(memory.line_of(scene.node_base + 8 * node)) for node in nodes]
         if any(fatal):
@@ -235,13 +206,6 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
         total.update(work)
     check_counts(events, total, len(rays), memory)
     assert 5 < errors < len(rays) - 5
-
-
-def leaf_at_end(traced, count):
-    """What the last of the first `count` nodes counts as a leaf."""
-    words = traced.log[count - 1].split()
-    leaf = words[2] == "leaf"
-    return Counter(leaves=int(leaf), full_leaves=int(leaf and words[3] != "0"))
 
 
 def inner(link, reorder=0, axis=0, split=0.0):

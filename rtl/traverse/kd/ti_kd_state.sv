@@ -90,21 +90,27 @@ module ti_kd_state #(
   endfunction
 
   // Two cycles before the end the state is read, one before it what the state points to.
-  logic  early_valid;
+  localparam int unsigned EarlyLatency = Lead - 2;
+  logic [EarlyLatency:0] valid_q;
+  logic early_valid;
   slot_t early_slot;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) valid_q <= '0;
+    else valid_q <= {valid_q[EarlyLatency-1:0], step_valid_i};
+  end
+  assign early_valid  = valid_q[EarlyLatency-1];
+  assign late_valid_o = valid_q[EarlyLatency];
+
   ti_delay #(
-    .payload_t(logic [$bits(slot_t):0]),
-    .Cycles   (Lead - 2)
+    .payload_t(slot_t),
+    .Cycles   (EarlyLatency)
   ) u_early (
     .clk_i,
     .rst_ni,
-    .data_i({step_valid_i, step_slot_i}),
-    .data_o({early_valid, early_slot})
+    .data_i(step_slot_i),
+    .data_o(early_slot)
   );
-  always_ff @(posedge clk_i) begin
-    late_valid_o <= early_valid;
-    late_slot_o  <= early_slot;
-  end
+  always_ff @(posedge clk_i) late_slot_o <= early_slot;
 
   state_t state_ram, state_q, state, state_next;
   interval_t interval;
