@@ -180,6 +180,9 @@ async def answers_every_test_once_as_the_model_does(dut, p, latency):
     passes = await check(bench, random_leaves(bench, 120 // len(bench.homes)))
 
     assert passes["c"] > 20
+    units = [*bench.list, *bench.ist1, bench.ist2]
+    waits = sum(events.counts()["arbitration"] for events in units)
+    assert (waits > 0) == (len(bench.list) > 1 or len(bench.ist1) > 1), f"{waits} waits for others"
     assert all(events.counts()["ids"] for events in bench.list)
     assert all(events.counts()["a_passes"] for events in bench.ist1)
 
@@ -242,6 +245,28 @@ def all_parts(scene):
         (scene.plane_base, 32, len(scene.planes)),
         (scene.bary_base, 16, len(scene.planes)),
     )
+
+
+@cocotb.test()
+async def tells_homes_when_another_was_served(dut):
+    """`leaf_lost_o` exactly where a leaf waits while one goes to the same LIST."""
+    rng = await start(dut)
+    bench = Bench(dut, rng, 0.9, 5)
+    lists, lost = configuration()["num_list"], []
+
+    async def watch():
+        while True:
+            await ReadOnly()
+            valid, ready = int(dut.leaf_valid_i.value), int(dut.leaf_ready_o.value)
+            served = {home % lists for home in bench.homes if ready >> home & 1}
+            want = sum((home % lists in served) << home for home in bench.homes) & valid & ~ready
+            assert dut.leaf_lost_o.value == want
+            lost.append(want)
+            await RisingEdge(dut.clk_i)
+
+    cocotb.start_soon(watch())
+    await bench.send(random_leaves(bench, 30, most=2))
+    assert any(lost) == (len(bench.homes) > lists)
 
 
 @cocotb.test()

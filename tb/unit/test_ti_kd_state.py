@@ -150,8 +150,9 @@ async def remembers_each_slot_and_the_newest_entries_of_its_stack(dut, busy, p_p
     await state.run(3000)
 
     depth = int(dut.StackDepth.value)
-    assert state.deepest == depth and state.full > 10
-    assert depth == 1 or state.popped_after_full > 10
+    assert state.deepest == depth and state.full > 0
+    if p_push >= 0.5:  # the stack is full much of the time
+        assert state.full > 10 and (depth == 1 or state.popped_after_full > 10)
     assert state.checked > 100
 
 

@@ -54,7 +54,7 @@ class Dealing:
 class Bench:
     """A scene in memory behind each home, its tests, everything that is watched."""
 
-    def __init__(self, dut, rng, p=1.0, latency=1, size=0.3, triangles=200, fails=None):
+    def __init__(self, dut, rng, p=1.0, latency=1, size=0.3, triangles=200, fails=None, tests=True):
         self.dut, self.rng, self.p = dut, rng, p
         config = configuration()
         self.homes = range(config["num_trv"])
@@ -75,15 +75,10 @@ class Bench:
             )
             for home in self.homes
         ]
+        gap, ready = stalls(rng, 1 - p), (lambda: rng.random() < p)
         self.tests = [
-            LeafTests(
-                lanes[home],
-                self.scene,
-                rng,
-                ready=lambda: rng.random() < p,
-                gap=stalls(rng, 1 - p),
-            )
-            for home in self.homes
+            LeafTests(lanes[home], self.scene, rng, ready=ready, gap=gap)
+            for home in (self.homes if tests else ())
         ]
         self.rd = Events(dut, "rd", dut.rd_events_o)
         self.trv = [Events(dut, "trv", dut.trv_events_o[home]) for home in self.homes]
@@ -200,6 +195,27 @@ async def deals_whole_tiles_while_rays_wait_in_rd(dut):
 
     assert {payloads().unpack("hit_t", bits)["status"] for bits in hits} == {OK}
     assert bench.dealing.homes == [i // tile % homes for i in range(len(rays) - held)]
+
+
+@cocotb.test()
+async def a_leaf_that_waits_says_whether_another_was_served(dut):
+    """`room` while nobody takes leaves, `arbitration` while another home's is taken."""
+    rng = await start(dut)
+    bench = Bench(dut, rng, size=0.8, tests=False)
+    rays = [through_middle()] * len(bench.homes) * configuration()["deal_tile"]
+    beats = [payloads().pack("ray_t", given, ray_id=i) for i, given in enumerate(rays)]
+    cocotb.start_soon(Source(dut, "ray").send(beats))
+    await ClockCycles(dut.clk_i, 4000)
+    everyone = (1 << len(bench.homes)) - 1
+    assert dut.leaf_valid_o.value == everyone
+
+    for lost in (0, everyone, 1):
+        dut.leaf_lost_i.value = lost
+        before = [events.counts() for events in bench.trv]
+        await ClockCycles(dut.clk_i, 30)
+        for home, (events, since) in enumerate(zip(bench.trv, before, strict=True)):
+            activity = "arbitration" if lost >> home & 1 else "room"
+            assert events.activities(since) == {activity: 30}, home
 
 
 @cocotb.test()
