@@ -63,8 +63,14 @@ module ti_arbiter #(
     .out_data_o
   );
 
+  if (NumIn < 1) begin : gen_check_num_in
+    $error("ti_arbiter: NumIn must be 1 or more");
+  end
+
   `TI_ASSERT(GrantOneHot, $onehot0(in_ready_o))
   `TI_ASSERT(GrantOnlyRequests, (in_ready_o & ~in_valid_i) == '0)
   `TI_COVER(RequestLost, |in_lost_o)
+  `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
+  `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 
 endmodule : ti_arbiter

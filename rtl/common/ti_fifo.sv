@@ -63,5 +63,7 @@ module ti_fifo #(
 
   `TI_ASSERT(OutHeldUntilTaken, out_valid_o && !out_ready_i |=> out_valid_o && $stable(out_data_o))
   `TI_ASSERT(NeverOverfull, count_q <= CountWidth'(Depth))
+  `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
+  `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 
 endmodule : ti_fifo

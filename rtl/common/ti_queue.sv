@@ -37,7 +37,12 @@ module ti_queue #(
     .out_data_o
   );
 
+  if (Depth < 1) begin : gen_check_depth
+    $error("ti_queue: Depth must be 1 or more");
+  end
+
   `TI_ASSERT(NeverOverflows, push_i |-> room)
+  `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 `ifdef SYNTHESIS
   logic unused_room;
   assign unused_room = room;

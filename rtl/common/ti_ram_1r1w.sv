@@ -34,4 +34,8 @@ module ti_ram_1r1w #(
 `endif
   end
 
+  if (Depth < 1) begin : gen_check_depth
+    $error("ti_ram_1r1w: Depth must be 1 or more");
+  end
+
 endmodule : ti_ram_1r1w

@@ -31,4 +31,8 @@ module ti_round_robin #(
     assign index_o[b] = |(lowest & Positions);
   end
 
+  if (Num < 1) begin : gen_check_num
+    $error("ti_round_robin: Num must be 1 or more");
+  end
+
 endmodule : ti_round_robin

@@ -49,6 +49,10 @@ module ti_slot_pool #(
     .out_data_o (queue_slot)
   );
 
+  if (NumSlots < 2) begin : gen_check_num_slots
+    $error("ti_slot_pool: NumSlots must be 2 or more");
+  end
+
 `ifndef SYNTHESIS
   logic [NumSlots-1:0] taken_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -62,5 +66,6 @@ module ti_slot_pool #(
   `TI_ASSERT(GivesOnlyTaken, give_i |-> taken_q[give_slot_i])
 `endif
   `TI_ASSERT(TakesOnlyFree, take_i |-> free_valid_o)
+  `TI_ASSERT_KNOWN(FreeValidKnown, free_valid_o)
 
 endmodule : ti_slot_pool

@@ -62,10 +62,21 @@ module ti_xbar #(
     );
   end
 
+  if (NumIn < 1) begin : gen_check_num_in
+    $error("ti_xbar: NumIn must be 1 or more");
+  end
+
+  if (NumOut < 1) begin : gen_check_num_out
+    $error("ti_xbar: NumOut must be 1 or more");
+  end
+
   for (genvar i = 0; i < NumIn; i++) begin : gen_check
     `TI_ASSERT(DestExists, in_valid_i[i] |-> 32'(in_dest_i[i]) < NumOut)
     `TI_ASSERT(TakenOnlyWhenValid, in_ready_o[i] |-> in_valid_i[i])
     `TI_ASSERT(TakenByItsOutput, in_ready_o[i] |-> grant[in_dest_i[i]][i])
   end
+
+  `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
+  `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 
 endmodule : ti_xbar

@@ -43,4 +43,8 @@ module ti_counters #(
     assign count_o = '0;
   end
 
+  if (Num < 1) begin : gen_check_num
+    $error("ti_counters: Num must be 1 or more");
+  end
+
 endmodule : ti_counters

@@ -20,4 +20,11 @@ module ti_fp_class #(
   assign normal_o = finite_o && x_i[FracBits+:ExpBits] != '0;
   assign nan_o    = !finite_o && x_i[FracBits-1:0] != '0;
 
+  if (ExpBits < 3 || ExpBits > 8) begin : gen_check_exp_bits
+    $error("ti_fp_class: ExpBits must be 3 to 8.");
+  end
+  if (FracBits < 2 || FracBits > 23) begin : gen_check_frac_bits
+    $error("ti_fp_class: FracBits must be 2 to 23.");
+  end
+
 endmodule : ti_fp_class

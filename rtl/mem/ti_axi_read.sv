@@ -163,7 +163,12 @@ module ti_axi_read #(
                                ({m_axi_arid, m_axi_araddr}))
   `TI_ASSERT(RspHeldUntilTaken, rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable
                                 ({rsp_id_o, rsp_data_o, rsp_error_o}))
+  `TI_ASSERT(OneActivity, $onehot(events_o.activity))
   `TI_COVER(TableFull, req_valid_i && !free_valid)
   `TI_COVER(StrayBeat, beat && !known)
+  `TI_ASSERT_KNOWN(ReqReadyKnown, req_ready_o)
+  `TI_ASSERT_KNOWN(RspValidKnown, rsp_valid_o)
+  `TI_ASSERT_KNOWN(ArValidKnown, m_axi_arvalid)
+  `TI_ASSERT_KNOWN(RReadyKnown, m_axi_rready)
 
 endmodule : ti_axi_read

@@ -19,7 +19,7 @@ module ti_l1 #(
   parameter int unsigned Ways = 2,
   parameter int unsigned LineBytes = 64,
   parameter int unsigned LineAddrWidth = 26,
-  localparam int unsigned Sets = CacheBytes / (Ways * LineBytes),
+  localparam int unsigned Sets = CacheBytes / ((Ways > 0) ? Ways * LineBytes : 1),
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1,
   localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1
 ) (
@@ -197,6 +197,9 @@ module ti_l1 #(
   if (Sets < 1 || (Sets & (Sets - 1)) != 0 ||
       Sets * Ways * LineBytes != CacheBytes) begin : gen_check_cache_bytes
     $error("ti_l1: CacheBytes must be Ways * LineBytes times a power of two");
+  end
+  if (LineAddrWidth <= SetBits) begin : gen_check_line_addr_width
+    $error("ti_l1: LineAddrWidth must be more than the bits of the number of a set");
   end
 
   `TI_ASSERT(HitsOneWay, $onehot0(match))

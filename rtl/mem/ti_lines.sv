@@ -66,6 +66,15 @@ module ti_lines #(
   logic unused_lost;
   assign unused_lost = |lost;
 
+  if (NumUnits < 1 || FirstPort + NumUnits > ti_mem_pkg::NumPorts) begin : gen_check_ports
+    $error("ti_lines: NumUnits must be 1 or more, and the last port one of the core");
+  end
+
   `TI_ASSERT(AnswersOneUnit, rsp_valid_i |-> $onehot(mine))
+  `TI_ASSERT_KNOWN(LineReqReadyKnown, line_req_ready_o)
+  `TI_ASSERT_KNOWN(LineRspValidKnown, line_rsp_valid_o)
+  `TI_ASSERT_KNOWN(ReqValidKnown, req_valid_o)
+  // It looks at whose answer it is.
+  `TI_ASSERT(RspReadyKnown, rsp_valid_i |-> !$isunknown(rsp_ready_o))
 
 endmodule : ti_lines

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// The memory side of a core: the line ports of its units onto one AXI4 read port, kind by kind.
 ///
 /// Each kind of unit has a `ti_lines` with its own bus of answers; the kinds share the port, round robin.  2 cycles for
@@ -138,5 +140,10 @@ module ti_memory #(
     .m_axi_rlast,
     .events_o
   );
+
+  `TI_ASSERT_KNOWN(LineReqReadyKnown, line_req_ready_o)
+  `TI_ASSERT_KNOWN(LineRspValidKnown, line_rsp_valid_o)
+  `TI_ASSERT_KNOWN(ArValidKnown, m_axi_arvalid)
+  `TI_ASSERT_KNOWN(RReadyKnown, m_axi_rready)
 
 endmodule : ti_memory

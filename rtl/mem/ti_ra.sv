@@ -301,5 +301,9 @@ module ti_ra #(
   `TI_ASSERT(FlushedOnlyIdle, flush_i |-> idle_o && !req_valid_i)
   `TI_COVER(StrayAnswer, line_rsp_valid_i && !fill)
   `TI_COVER(JoinsARowAsItFills, use_merge && fill && fill_row == merge_row)
+  `TI_ASSERT_KNOWN(ReqReadyKnown, req_ready_o)
+  `TI_ASSERT_KNOWN(RspValidKnown, rsp_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_ra

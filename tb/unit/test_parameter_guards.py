@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A parameter that a module cannot have stops its elaboration with the module's own sentence."""
+
+import re
+import subprocess
+
+import pytest
+from agents.bench import BUILD, ROOT, RTL, packages
+from configure import configure
+
+FOLDERS = ("common", "fp", "mem", "count")
+
+# Module, parameters, the end of its sentence.
+BAD = [
+    ("ti_arbiter", {"NumIn": 0}, "NumIn must be 1 or more"),
+    ("ti_fifo", {"Depth": 0}, "Depth must be 1 or more"),
+    ("ti_queue", {"Depth": 0}, "Depth must be 1 or more"),
+    ("ti_ram_1r1w", {"Depth": 0}, "Depth must be 1 or more"),
+    ("ti_round_robin", {"Num": 0}, "Num must be 1 or more"),
+    ("ti_slot_pool", {"NumSlots": 1}, "NumSlots must be 2 or more"),
+    ("ti_xbar", {"NumIn": 0}, "NumIn must be 1 or more"),
+    ("ti_xbar", {"NumOut": 0}, "NumOut must be 1 or more"),
+    *(
+        (f"ti_fp_{unit}", {key: value}, f"{key} must be {most}.")
+        for unit in ("add", "mul", "cmp", "rcp", "class")
+        for key, value, most in [
+            ("ExpBits", 2, "3 to 8"),
+            ("ExpBits", 9, "3 to 8"),
+            ("FracBits", 1, "2 to 23"),
+            ("FracBits", 24, "2 to 23"),
+        ]
+    ),
+    ("ti_fp_rcp", {"BitsPerStage": 0}, "BitsPerStage must be at least 1."),
+    ("ti_l1", {"Ways": 0}, "Ways must be a power of two"),
+    ("ti_l1", {"Ways": 3}, "Ways must be a power of two"),
+    ("ti_l1", {"CacheBytes": 1000}, "CacheBytes must be Ways * LineBytes times a power of two"),
+    ("ti_l1", {"CacheBytes": 384}, "CacheBytes must be Ways * LineBytes times a power of two"),
+    ("ti_l1", {"CacheBytes": 64}, "CacheBytes must be Ways * LineBytes times a power of two"),
+    ("ti_l1", {"LineAddrWidth": 3}, "LineAddrWidth must be more than the bits of the number of a"),
+    ("ti_ra", {"NumSlots": 1}, "NumSlots must be 2 or more"),
+    ("ti_ra", {"Rows": 0}, "Rows must be 1 to ti_mem_pkg::MaxRows"),
+    ("ti_ra", {"Rows": 3}, "Rows must be 1 to ti_mem_pkg::MaxRows"),
+    ("ti_ra", {"ElemBytes": 24}, "ElemBytes must divide LineBytes into a power of two"),
+    ("ti_ra", {"ElemBytes": 128}, "ElemBytes must divide LineBytes into a power of two"),
+    ("ti_lines", {"NumUnits": 0}, "NumUnits must be 1 or more, and the last port one of the core"),
+    ("ti_lines", {"FirstPort": 3}, "NumUnits must be 1 or more, and the last port one of the core"),
+    ("ti_axi_read", {"MaxReads": 1}, "MaxReads must be a power of two from 2 to 1024"),
+    ("ti_axi_read", {"MaxReads": 12}, "MaxReads must be a power of two from 2 to 1024"),
+    ("ti_axi_read", {"MaxReads": 2048}, "MaxReads must be a power of two from 2 to 1024"),
+    ("ti_counters", {"Num": 0}, "Num must be 1 or more"),
+]
+# These take what they are given.
+NO_BAD_VALUE = {"ti_delay"}
+# Sentences that no parameter brings about: the configuration or the source would have to be wrong.
+OF_THE_SOURCE = ("Latency is not that of ti_fp_pkg.", "LineBytes must be 8 to 128")
+
+
+def modules():
+    return [path for folder in FOLDERS for path in sorted((RTL / folder).glob("ti_*.sv"))]
+
+
+def parameters(path):
+    """Names of the numeric parameters of a module."""
+    return re.findall(r"^\s*parameter\s+int unsigned\s+(\w+)", path.read_text(), re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def config():
+    folder = BUILD / "unit/parameter_guards/config"
+    configure("tiny", [], folder)
+    return folder
+
+
+def elaborate(module, values, config):
+    return subprocess.run(
+        [
+            "verilator",
+            "--lint-only",
+            *(f"-I{RTL / folder}" for folder in FOLDERS),
+            str(ROOT / "lint/verilator.vlt"),
+            str(config / "ti_config_pkg.sv"),
+            str(config / "ti_count_pkg.sv"),
+            *map(str, packages()),
+            *(f"-G{name}={value}" for name, value in values.items()),
+            "--top-module",
+            module,
+            f"{module}.sv",
+        ],
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("module", "values", "sentence"),
+    BAD,
+    ids=[f"{m}-{'-'.join(f'{k}={v}' for k, v in values.items())}" for m, values, _ in BAD],
+)
+def test_a_bad_value_is_told_by_name(module, values, sentence, config):
+    result = elaborate(module, values, config)
+
+    assert result.returncode != 0
+    assert f"{module}: {sentence}" in result.stderr, result.stderr
+
+
+@pytest.mark.parametrize("module", sorted({module for module, _, _ in BAD}))
+def test_the_defaults_elaborate(module, config):
+    """So that it is the value that stops the others."""
+    result = elaborate(module, {}, config)
+
+    assert result.returncode == 0, result.stderr
+
+
+def test_every_parameter_and_every_sentence_is_in_the_table():
+    tried = {(module, name) for module, values, _ in BAD for name in values}
+    there = {(path.stem, name) for path in modules() for name in parameters(path)}
+    of_l1 = {("ti_l1", "LineBytes"), ("ti_ra", "CacheBytes"), ("ti_ra", "Ways")}  # `ti_l1` tells
+    sentences = {
+        (path.stem, sentence)
+        for path in modules()
+        for sentence in re.findall(rf'\$error\(\s*"{path.stem}: (.*?)"', path.read_text())
+        if not sentence.startswith(OF_THE_SOURCE)
+    }
+
+    assert {pair for pair in there - tried - of_l1 if pair[0] not in NO_BAD_VALUE} == set()
+    for module, sentence in sentences:
+        assert any(module == m and sentence.startswith(s) for m, _, s in BAD), (module, sentence)
