@@ -291,4 +291,9 @@ module ti_intersect #(
     $error("ti_intersect: NumList must not exceed NumTrv");
   end
 
+  `TI_ASSERT_KNOWN(LeafReadyKnown, leaf_ready_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
+
 endmodule : ti_intersect

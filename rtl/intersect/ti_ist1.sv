@@ -370,4 +370,10 @@ module ti_ist1 #(
     $error("ti_ist1: LineBytes must hold a plane part, 32 bytes");
   end
 
+  `TI_ASSERT_KNOWN(TestReadyKnown, test_ready_o)
+  `TI_ASSERT_KNOWN(CandidateValidKnown, candidate_valid_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
+
 endmodule : ti_ist1

@@ -189,5 +189,7 @@ module ti_ist1_egress #(
              (candidate_data_o))
   `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
                                    (return_data_o))
+  `TI_ASSERT_KNOWN(CandidateValidKnown, candidate_valid_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 
 endmodule : ti_ist1_egress

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 7 MUL and 1 CMP.
 ///
 /// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p).
@@ -546,5 +548,7 @@ module ti_ist1_pipe #(
 
   assign valid_o  = valid_q[TimeEnd];
   assign pass_b_o = pass_b_q[TimeEnd];
+
+  `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_ist1_pipe

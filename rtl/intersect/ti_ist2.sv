@@ -157,5 +157,7 @@ module ti_ist2 #(
   end
 
   `TI_ASSERT(CreditsInRange, credits_q <= CountWidth'(Depth))
+  `TI_ASSERT_KNOWN(CandidateReadyKnown, candidate_ready_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 
 endmodule : ti_ist2

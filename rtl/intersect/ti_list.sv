@@ -224,5 +224,10 @@ module ti_list #(
                                  (test_data_o))
   `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
                                    (return_data_o))
+  `TI_ASSERT_KNOWN(LeafReadyKnown, leaf_ready_o)
+  `TI_ASSERT_KNOWN(TestValidKnown, test_valid_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_list

@@ -150,5 +150,11 @@ module ti_traverse #(
   );
 
   `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
+  `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
+  `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_traverse

@@ -192,5 +192,8 @@ module ti_rd #(
   `TI_ASSERT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid |-> ray_waits)
   `TI_ASSERT(OneHomeARay, $onehot0(dispatch_valid_o))
+  `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
+  `TI_ASSERT_KNOWN(DispatchValidKnown, dispatch_valid_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
 
 endmodule : ti_rd

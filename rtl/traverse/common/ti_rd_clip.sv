@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// Set-up of a ray, one axis a cycle: the inverse direction and the interval inside the scene box.
 ///
 /// Per axis inv = 1/d, t = (plane - o) * inv for the near and the far plane of the box (slabs, Kay and Kajiya
@@ -265,5 +267,7 @@ module ti_rd_clip #(
       tmax_o <= tmax_out;
     end
   end
+
+  `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_rd_clip

@@ -348,5 +348,8 @@ module ti_trv_return #(
 
   `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(NeverMoreBackThanSent, finish_token |-> back_q[slot_q] + token_q.count <= park.count)
+  `TI_ASSERT_KNOWN(DoneReadyKnown, done_ready_o)
+  `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
 
 endmodule : ti_trv_return

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// What a TRV remembers of each slot between steps: interval, step count, node, and the short stack.
 ///
 /// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
@@ -212,5 +214,7 @@ module ti_kd_state #(
   if (Lead < 3) begin : gen_check_lead
     $error("ti_kd_state: Lead must be 3 or more");
   end
+
+  `TI_ASSERT_KNOWN(LateValidKnown, late_valid_o)
 
 endmodule : ti_kd_state

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// The arithmetic of a traversal step: t = (split - o[axis]) * inv[axis], on 1 ADD and 1 MUL.
 ///
 /// One node a cycle, `Latency` cycles, no stall.  The node and the sign of the inverse come out beside t.
@@ -97,5 +99,7 @@ module ti_kd_step #(
   assign negative_o = along.negative;
   assign node_o     = along.node;
   assign tag_o      = along.tag;
+
+  `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_kd_step

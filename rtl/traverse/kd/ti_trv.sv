@@ -419,5 +419,11 @@ module ti_trv #(
   `TI_ASSERT(
       IntervalNotEmpty,
       end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
+  `TI_ASSERT_KNOWN(DispatchReadyKnown, dispatch_ready_o)
+  `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
+  `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_trv
