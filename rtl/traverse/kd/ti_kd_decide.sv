@@ -50,12 +50,12 @@ module ti_kd_decide #(
   localparam int unsigned M = ti_num_pkg::FracBits;
 
   logic is_leaf, below_tmax, up_to_tmin, best_ends, near_is_adjacent, out_of_steps;
-  ti_pkg::node_index_t near, adjacent;
+  ti_pkg::node_index_t near_node, adjacent;
 
   assign is_leaf          = node_i.axis == 2'd3;
   assign adjacent         = index_i + 1'b1;
   assign near_is_adjacent = negative_i ~^ node_i.reorder;
-  assign near             = near_is_adjacent ? adjacent : node_i.link;
+  assign near_node        = near_is_adjacent ? adjacent : node_i.link;
   assign far_o            = near_is_adjacent ? node_i.link : adjacent;
   assign out_of_steps     = steps_i >= ti_pkg::steps_t'(WatchdogSteps);
   assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
@@ -87,7 +87,7 @@ module ti_kd_decide #(
 
   always_comb begin
     go_o      = 1'b0;
-    next_o    = near;
+    next_o    = near_node;
     leaf_o    = 1'b0;
     done_o    = 1'b0;
     status_o  = ti_pkg::Ok;

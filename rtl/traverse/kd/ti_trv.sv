@@ -206,7 +206,7 @@ module ti_trv #(
   // ---- The decision, with the slot's state.
   logic late_valid, go, leaf, done, push, pop, restart, dropped, dropped_next;
   slot_t late_slot;
-  node_index_t end_index, far, top_node;
+  node_index_t end_index, far_node, top_node;
   fp_t tmin, tmax, tmin_next, tmax_next, ray_tmax, top_tmax, tbest;
   ti_pkg::steps_t steps, steps_next;
   ti_pkg::status_e status;
@@ -247,7 +247,7 @@ module ti_trv #(
     .level_i     (level_next),
     .dropped_i   (dropped_next),
     .push_i      (push),
-    .far_i       (far),
+    .far_i       (far_node),
     .pop_i       (pop)
   );
 
@@ -281,7 +281,7 @@ module ti_trv #(
     .level_o   (level_next),
     .dropped_o (dropped_next),
     .push_o    (push),
-    .far_o     (far),
+    .far_o     (far_node),
     .pop_o     (pop),
     .restart_o (restart)
   );
