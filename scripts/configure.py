@@ -3,8 +3,9 @@
 
 The one source is `configs/NAME.yaml` (or a path), changed by KEY=VALUE arguments.  DIR gets
 `ti_config_pkg.sv` (`ti_config_pkg::NumTrv`), `ti_config.hpp` (`ti::config::kNumTrv`),
-`config.json` (the keys as they are), and what `scripts/counters.py` writes of the counters.  Files whose content would not change keep their date, so that
-nothing is rebuilt.  A wrong key or value ends with one sentence, status 2, and no file touched.
+`config.json` (the keys as they are), and what `scripts/counters.py` writes of the counters.
+Files whose content would not change keep their date, so that nothing is rebuilt.  A wrong key or
+value ends with one sentence, status 2, and no file touched.
 
 Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR
 """

@@ -75,5 +75,5 @@ bind ti_trv ti_step_log u_step_log (
   .tmax_i     (tmax),
   .push_i     (push),
   .next_node_i(next_node),
-  .far_i      (far)
+  .far_i      (far_node)
 );

@@ -17,10 +17,10 @@ module ti_intersect #(
   localparam int unsigned NumIst1  = ti_config_pkg::NumIst1,
   localparam int unsigned NumPorts = NumList + NumIst1
 ) (
-  input  logic           clk_i,
-  input  logic           rst_ni,
-  input  logic           flush_i,  // forget all lines; only while idle
-  output logic           idle_o,   // nothing inside, nothing on its way from memory
+  input  logic                clk_i,
+  input  logic                rst_ni,
+  input  logic                flush_i,        // forget all lines; only while idle
+  output logic                idle_o,         // nothing inside, nothing on its way from memory
   // Where the scene stands.
   input  ti_mem_pkg::addr_t   list_base_i,
   input  ti_pkg::list_index_t num_list_i,
@@ -30,8 +30,8 @@ module ti_intersect #(
 
   input  logic          [NumTrv-1:0] leaf_valid_i,
   output logic          [NumTrv-1:0] leaf_ready_o,
-  output logic          [NumTrv-1:0] leaf_lost_o,            // another TRV was served
-  input  ti_pkg::leaf_t              leaf_data_i   [NumTrv],
+  output logic          [NumTrv-1:0] leaf_lost_o,          // another TRV was served
+  input  ti_pkg::leaf_t              leaf_data_i [NumTrv],
 
   output logic            [NumTrv-1:0] return_valid_o,
   input  logic            [NumTrv-1:0] return_ready_i,
@@ -70,7 +70,7 @@ module ti_intersect #(
 
   logic ist2_candidate_valid, ist2_candidate_ready, ist2_idle;
   ti_intersect_pkg::candidate_t ist2_candidate_data;
-  ti_count_pkg::ist2_events_t ist2_events;
+  ti_count_pkg::ist2_events_t   ist2_events;
 
   // Return tokens: IST1s, then IST2, then the LISTs' errors.
   localparam int unsigned NumReturn = NumIst1 + 2;
@@ -146,7 +146,7 @@ module ti_intersect #(
 
     // The hash: bits 1 to 28 of the record folded onto ten.
     logic [28:1] pair;
-    logic [9:0] folded;
+    logic [ 9:0] folded;
     assign pair = test_data[l].record[28:1];
     assign folded = pair[10:1] ^ {pair[13:11], pair[20:14]} ^ {2'b00, pair[28:21]};
     assign test_dest[l] = Ist1IndexWidth'(32'(folded) % NumIst1);
@@ -290,5 +290,10 @@ module ti_intersect #(
   if (NumList > NumTrv) begin : gen_check_num_list
     $error("ti_intersect: NumList must not exceed NumTrv");
   end
+
+  `TI_ASSERT_KNOWN(LeafReadyKnown, leaf_ready_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_intersect

@@ -24,12 +24,12 @@ module ti_ist1 #(
   input  ti_mem_pkg::addr_t plane_base_i,  // a multiple of 32
   input  ti_mem_pkg::addr_t bary_base_i,   // a multiple of 32
 
-  input  logic          test_valid_i,
-  output logic          test_ready_o,
+  input  logic                    test_valid_i,
+  output logic                    test_ready_o,
   input  ti_intersect_pkg::test_t test_data_i,
 
-  output logic               candidate_valid_o,
-  input  logic               candidate_ready_i,
+  output logic                         candidate_valid_o,
+  input  logic                         candidate_ready_i,
   output ti_intersect_pkg::candidate_t candidate_data_o,
 
   output logic            return_valid_o,  // misses and errors
@@ -73,7 +73,7 @@ module ti_ist1 #(
   } tag_t;
 
   typedef struct packed {
-    slot_t         slot;
+    slot_t             slot;
     ti_mem_pkg::addr_t addr;
   } request_t;
 
@@ -186,24 +186,24 @@ module ti_ist1 #(
     .clk_i,
     .rst_ni,
     .flush_i,
-    .idle_o        (ra_idle),
-    .waits_o       (ra_waits),
-    .req_valid_i   (req_valid),
-    .req_ready_o   (req_ready),
-    .req_slot_i    (req.slot),
-    .req_addr_i    (req.addr),
-    .rsp_valid_o   (rsp_valid),
-    .rsp_ready_i   (1'b1),
-    .rsp_slot_o    (rsp_slot),
-    .rsp_elem_o    (rsp_elem),
-    .rsp_error_o   (rsp_error),
+    .idle_o     (ra_idle),
+    .waits_o    (ra_waits),
+    .req_valid_i(req_valid),
+    .req_ready_o(req_ready),
+    .req_slot_i (req.slot),
+    .req_addr_i (req.addr),
+    .rsp_valid_o(rsp_valid),
+    .rsp_ready_i(1'b1),
+    .rsp_slot_o (rsp_slot),
+    .rsp_elem_o (rsp_elem),
+    .rsp_error_o(rsp_error),
     .line_req_valid_o,
     .line_req_ready_i,
     .line_req_data_o,
     .line_rsp_valid_i,
     .line_rsp_ready_o,
     .line_rsp_data_i,
-    .events_o      (cache_events)
+    .events_o   (cache_events)
   );
 
   // Operands.
@@ -352,7 +352,7 @@ module ti_ist1 #(
     else if (ra_waits) events_o.activity.memory = 1'b1;
     else if ((candidate_valid_o && !candidate_ready_i) || (return_valid_o && !return_ready_i))
       events_o.activity.room = 1'b1;
-    else if (inside_q != '0) events_o.activity.latency = 1'b1;
+    else if (!idle_o) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
 
     events_o.a_passes = issue_q && !issue_b_q;
@@ -369,5 +369,11 @@ module ti_ist1 #(
   if (ti_mem_pkg::LineBytes < ElemBytes) begin : gen_check_line_bytes
     $error("ti_ist1: LineBytes must hold a plane part, 32 bytes");
   end
+
+  `TI_ASSERT_KNOWN(TestReadyKnown, test_ready_o)
+  `TI_ASSERT_KNOWN(CandidateValidKnown, candidate_valid_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_ist1

@@ -5,8 +5,9 @@
 /// How tests leave an IST1: candidates to IST2, misses and errors home.
 ///
 /// Every result is taken at once into a queue with a place for each slot; the slot is given back when its
-/// result has left the queue.  One slot a cycle: candidates first, then misses, then errors.  2 cycles from
-/// result to output.
+/// result has gone from there to the register of its output.  One slot a cycle, to outputs that have room: an
+/// output goes before the one served last, and of misses and errors the kind that did not go last.  So a candidate
+/// waits for at most one token, a token for at most three others.  2 cycles from result to output.
 module ti_ist1_egress #(
   parameter  int unsigned NumSlots  = 8,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
@@ -33,8 +34,8 @@ module ti_ist1_egress #(
   input logic                 failed_i,
   input logic [SlotWidth-1:0] failed_slot_i,
 
-  output logic               candidate_valid_o,
-  input  logic               candidate_ready_i,
+  output logic                         candidate_valid_o,
+  input  logic                         candidate_ready_i,
   output ti_intersect_pkg::candidate_t candidate_data_o,
 
   output logic            return_valid_o,
@@ -59,17 +60,12 @@ module ti_ist1_egress #(
   ti_pkg::home_t home_q[NumSlots];
   always_ff @(posedge clk_i) if (take_i) home_q[take_slot_i] <= take_home_i;
 
-  logic
-      kept_valid,
-      kept_ready,
-      kept_leaves,
-      miss_valid,
-      failed_valid,
-      over_valid,
-      over_ready,
-      over_leaves;
+  // Waiting results, and which of them gives its slot back in this cycle.
+  logic inside_waits, miss_waits, failed_waits, return_waits;
+  logic candidate_room, return_room;
+  logic inside_goes, miss_goes, failed_goes, return_goes;
   inside_t kept;
-  slot_t miss_slot, failed_slot, over_slot;
+  slot_t miss_slot, failed_slot;
 
   ti_queue #(
     .payload_t(inside_t),
@@ -81,8 +77,8 @@ module ti_ist1_egress #(
     .push_data_i(
     '{slot: result_slot_i, prim: prim_i, det: det_i, dett: dett_i, detu: detu_i, detv: detv_i}
     ),
-    .out_valid_o(kept_valid),
-    .out_ready_i(kept_ready),
+    .out_valid_o(inside_waits),
+    .out_ready_i(inside_goes),
     .out_data_o(kept)
   );
 
@@ -94,8 +90,8 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i     (miss_i),
     .push_data_i(result_slot_i),
-    .out_valid_o(miss_valid),
-    .out_ready_i(over_leaves && miss_valid),
+    .out_valid_o(miss_waits),
+    .out_ready_i(miss_goes),
     .out_data_o (miss_slot)
   );
 
@@ -107,17 +103,37 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i     (failed_i),
     .push_data_i(failed_slot_i),
-    .out_valid_o(failed_valid),
-    .out_ready_i(over_leaves && !miss_valid),
+    .out_valid_o(failed_waits),
+    .out_ready_i(failed_goes),
     .out_data_o (failed_slot)
   );
 
-  assign kept_leaves = kept_valid && kept_ready;
-  assign over_valid  = (miss_valid || failed_valid) && !kept_leaves;
-  assign over_leaves = over_valid && over_ready;
-  assign over_slot   = miss_valid ? miss_slot : failed_slot;
-  assign give_o      = kept_leaves || over_leaves;
-  assign give_slot_o = kept_leaves ? kept.slot : over_slot;
+  // Fair between the outputs, and between the kinds that share one.
+  logic prefer_return_q, prefer_failed_q;
+  logic failed_first;
+
+  assign failed_first = failed_waits && (prefer_failed_q || !miss_waits);
+  assign return_waits = miss_waits || failed_waits;
+  assign return_goes  = return_waits && return_room &&
+      (prefer_return_q || !(inside_waits && candidate_room));
+  assign failed_goes = return_goes && failed_first;
+  assign miss_goes = return_goes && !failed_first;
+  assign inside_goes = inside_waits && candidate_room && !return_goes;
+
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      prefer_return_q <= 1'b0;
+      prefer_failed_q <= 1'b0;
+    end else begin
+      if (give_o) prefer_return_q <= inside_goes;
+      if (return_goes) prefer_failed_q <= miss_goes;
+    end
+  end
+
+  slot_t result_slot;
+  assign result_slot = failed_first ? failed_slot : miss_slot;
+  assign give_o      = inside_goes || return_goes;
+  assign give_slot_o = inside_goes ? kept.slot : result_slot;
 
   ti_intersect_pkg::candidate_t candidate;
   assign candidate = '{
@@ -129,21 +145,22 @@ module ti_ist1_egress #(
           detv: kept.detv
       };
 
-  ti_pkg::return_t over;
+  ti_pkg::return_t result;
   always_comb begin
-    over       = '0;
-    over.home  = home_q[over_slot];
-    over.count = 16'd1;
-    over.error = !miss_valid;
+    result       = '0;
+    result.home  = home_q[result_slot];
+    result.count = 16'd1;
+    result.error = failed_first;
   end
 
+  // Filled only while they have room, so nothing waits at their inputs.
   ti_stage #(
     .payload_t(ti_intersect_pkg::candidate_t)
   ) u_candidate_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (kept_valid),
-    .in_ready_o (kept_ready),
+    .in_valid_i (inside_goes),
+    .in_ready_o (candidate_room),
     .in_data_i  (candidate),
     .out_valid_o(candidate_valid_o),
     .out_ready_i(candidate_ready_i),
@@ -155,14 +172,24 @@ module ti_ist1_egress #(
   ) u_return_stage (
     .clk_i,
     .rst_ni,
-    .in_valid_i (over_valid),
-    .in_ready_o (over_ready),
-    .in_data_i  (over),
+    .in_valid_i (return_goes),
+    .in_ready_o (return_room),
+    .in_data_i  (result),
     .out_valid_o(return_valid_o),
     .out_ready_i(return_ready_i),
     .out_data_o (return_data_o)
   );
 
   `TI_ASSERT(OneResultAtATime, !(inside_i && miss_i))
+  `TI_ASSERT(GrantOneHot, $onehot0({inside_goes, miss_goes, failed_goes}))
+  `TI_ASSERT(CandidateGoesOnlyWhereRoom, inside_goes |-> candidate_room)
+  `TI_ASSERT(ReturnGoesOnlyWhereRoom, return_goes |-> return_room)
+  `TI_ASSERT(CandidateHeldUntilTaken,
+             candidate_valid_o && !candidate_ready_i |=> candidate_valid_o && $stable
+             (candidate_data_o))
+  `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
+                                   (return_data_o))
+  `TI_ASSERT_KNOWN(CandidateValidKnown, candidate_valid_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 
 endmodule : ti_ist1_egress

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 7 MUL and 1 CMP.
 ///
 /// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p).
@@ -37,19 +39,19 @@ module ti_ist1_pipe #(
   input logic clk_i,
   input logic rst_ni,
 
-  input logic                          valid_i,
-  input logic                          pass_b_i,
-  input logic           [TagWidth-1:0] tag_i,
-  input logic           [         1:0] axis_i,    // w
-  input ti_pkg::vec3_t                 o_i,
-  input ti_pkg::vec3_t                 d_i,
-  input ti_pkg::fp_t                   tbest_i,
+  input logic                                    valid_i,
+  input logic                                    pass_b_i,
+  input logic                     [TagWidth-1:0] tag_i,
+  input logic                     [         1:0] axis_i,    // w
+  input ti_pkg::vec3_t                           o_i,
+  input ti_pkg::vec3_t                           d_i,
+  input ti_pkg::fp_t                             tbest_i,
   input ti_intersect_pkg::plane_t                plane_i,   // (a)
   input ti_intersect_pkg::bary_t                 bary_i,    // (b), as are the next four
-  input ti_pkg::fp_t                   det_i,
-  input ti_pkg::fp_t                   dett_i,
-  input ti_pkg::fp_t                   audet_i,
-  input ti_pkg::fp_t                   av_i,
+  input ti_pkg::fp_t                             det_i,
+  input ti_pkg::fp_t                             dett_i,
+  input ti_pkg::fp_t                             audet_i,
+  input ti_pkg::fp_t                             av_i,
 
   output logic                       valid_o,
   output logic                       pass_b_o,
@@ -503,13 +505,13 @@ module ti_ist1_pipe #(
   // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
   fp_t det_a, dett_a, limit_size, limit_up, cmp_a, cmp_b;
   logic lt, le, inverse_is_normal, cull, good_a, dett_agrees, x1_agrees, x2_agrees, keep_a, keep_b;
-  assign det_a      = x1_end;
-  assign dett_a     = x3;
+  assign det_a = x1_end;
+  assign dett_a = x3;
   assign limit_size = {1'b0, limit[W-2:0]};
   assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
       limit_size + fp_t'(CullUlps);
-  assign cmp_a      = b_end ? {1'b0, x3[W-2:0]} : limit_up;
-  assign cmp_b      = {1'b0, b_end ? det_in[W-2:0] : dett_a[W-2:0]};
+  assign cmp_a = b_end ? {1'b0, x3[W-2:0]} : limit_up;
+  assign cmp_b = {1'b0, b_end ? det_in[W-2:0] : dett_a[W-2:0]};
   ti_fp_cmp #(
     .ExpBits (E),
     .FracBits(M)
@@ -524,8 +526,8 @@ module ti_ist1_pipe #(
 
   // Zero, or a number of the same sign.
   assign dett_agrees = zero_dett || (dett_a[W-1] == det_a[W-1] && !nan_dett);
-  assign x1_agrees   = zero_x1 || (x1_end[W-1] == det_in[W-1] && !nan_x1);
-  assign x2_agrees   = zero_x2 || (x2_end[W-1] == det_in[W-1] && !nan_x2);
+  assign x1_agrees = zero_x1 || (x1_end[W-1] == det_in[W-1] && !nan_x1);
+  assign x2_agrees = zero_x2 || (x2_end[W-1] == det_in[W-1] && !nan_x2);
 
   assign inverse_is_normal = det_a[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
   assign cull = lt && inverse_is_normal && normal_tbest && normal_limit;
@@ -546,5 +548,7 @@ module ti_ist1_pipe #(
 
   assign valid_o  = valid_q[TimeEnd];
   assign pass_b_o = pass_b_q[TimeEnd];
+
+  `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_ist1_pipe

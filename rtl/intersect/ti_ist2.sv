@@ -15,8 +15,8 @@ module ti_ist2 #(
   input  logic rst_ni,
   output logic idle_o,  // nothing inside
 
-  input  logic               candidate_valid_i,
-  output logic               candidate_ready_o,
+  input  logic                         candidate_valid_i,
+  output logic                         candidate_ready_o,
   input  ti_intersect_pkg::candidate_t candidate_data_i,
 
   output logic            return_valid_o,
@@ -39,15 +39,15 @@ module ti_ist2 #(
   } who_t;
 
   logic [CountWidth-1:0] credits_q;
-  logic take, leave;
+  logic take, egress;
 
   assign candidate_ready_o = credits_q != '0;
   assign take              = candidate_valid_i && candidate_ready_o;
-  assign leave             = return_valid_o && return_ready_i;
+  assign egress            = return_valid_o && return_ready_i;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) credits_q <= CountWidth'(Depth);
-    else if (take != leave) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
+    else if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
   end
 
   logic r_valid, t_valid;
@@ -157,5 +157,7 @@ module ti_ist2 #(
   end
 
   `TI_ASSERT(CreditsInRange, credits_q <= CountWidth'(Depth))
+  `TI_ASSERT_KNOWN(CandidateReadyKnown, candidate_ready_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 
 endmodule : ti_ist2

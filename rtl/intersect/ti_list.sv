@@ -27,8 +27,8 @@ module ti_list #(
   output logic          leaf_ready_o,
   input  ti_pkg::leaf_t leaf_data_i,
 
-  output logic          test_valid_o,
-  input  logic          test_ready_i,
+  output logic                    test_valid_o,
+  input  logic                    test_ready_i,
   output ti_intersect_pkg::test_t test_data_o,
 
   output logic            return_valid_o,
@@ -58,9 +58,9 @@ module ti_list #(
 
   logic slot_free, take, again, done, step;
   slot_t new_slot, rsp_slot, answer_slot_q;
-  ti_pkg::list_index_t position_q[NumSlots];
-  ti_pkg::tri_count_t remaining_q[NumSlots];
-  ti_pkg::tri_count_t remaining;
+  ti_pkg::list_index_t position_q [NumSlots];
+  ti_pkg::tri_count_t  remaining_q[NumSlots];
+  ti_pkg::tri_count_t  remaining;
 
   assign leaf_ready_o = slot_free && !again;
   assign take         = leaf_valid_i && leaf_ready_o;
@@ -109,24 +109,24 @@ module ti_list #(
     .clk_i,
     .rst_ni,
     .flush_i,
-    .idle_o        (ra_idle),
-    .waits_o       (ra_waits),
-    .req_valid_i   (next_valid),
-    .req_ready_o   (next_ready),
-    .req_slot_i    (next_slot),
-    .req_addr_i    (list_base_i + (ti_mem_pkg::addr_t'(position_q[next_slot]) << 2)),
-    .rsp_valid_o   (rsp_valid),
-    .rsp_ready_i   (rsp_ready),
-    .rsp_slot_o    (rsp_slot),
-    .rsp_elem_o    (rsp_id),
-    .rsp_error_o   (rsp_error),
+    .idle_o     (ra_idle),
+    .waits_o    (ra_waits),
+    .req_valid_i(next_valid),
+    .req_ready_o(next_ready),
+    .req_slot_i (next_slot),
+    .req_addr_i (list_base_i + (ti_mem_pkg::addr_t'(position_q[next_slot]) << 2)),
+    .rsp_valid_o(rsp_valid),
+    .rsp_ready_i(rsp_ready),
+    .rsp_slot_o (rsp_slot),
+    .rsp_elem_o (rsp_id),
+    .rsp_error_o(rsp_error),
     .line_req_valid_o,
     .line_req_ready_i,
     .line_req_data_o,
     .line_rsp_valid_i,
     .line_rsp_ready_o,
     .line_rsp_data_i,
-    .events_o      (cache_events)
+    .events_o   (cache_events)
   );
 
   // The answer beside the slot's shared operands.
@@ -143,7 +143,7 @@ module ti_list #(
 
   always_ff @(posedge clk_i) begin
     if (rsp_valid && rsp_ready) begin
-      answer_slot_q  <= rsp_slot;
+      answer_slot_q <= rsp_slot;
       answer_record_q <= ti_pkg::record_t'(rsp_id);
       answer_error_q <= rsp_error || position_q[rsp_slot] >= num_list_i ||
           rsp_id >= 32'(num_records_i);
@@ -224,5 +224,10 @@ module ti_list #(
                                  (test_data_o))
   `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
                                    (return_data_o))
+  `TI_ASSERT_KNOWN(LeafReadyKnown, leaf_ready_o)
+  `TI_ASSERT_KNOWN(TestValidKnown, test_valid_o)
+  `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_list

@@ -11,10 +11,10 @@
 module ti_traverse #(
   localparam int unsigned NumTrv = ti_config_pkg::NumTrv
 ) (
-  input  logic           clk_i,
-  input  logic           rst_ni,
-  input  logic           flush_i,  // forget all lines; only while idle
-  output logic           idle_o,   // no ray in a TRV, nothing on its way from memory
+  input  logic                clk_i,
+  input  logic                rst_ni,
+  input  logic                flush_i,      // forget all lines; only while idle
+  output logic                idle_o,       // no ray in a TRV, nothing on its way from memory
   // Where the scene stands.
   input  ti_pkg::node_index_t root_i,
   input  ti_mem_pkg::addr_t   node_base_i,
@@ -31,8 +31,8 @@ module ti_traverse #(
 
   output logic          [NumTrv-1:0] leaf_valid_o,
   input  logic          [NumTrv-1:0] leaf_ready_i,
-  input  logic          [NumTrv-1:0] leaf_lost_i,            // another TRV was served
-  output ti_pkg::leaf_t              leaf_data_o   [NumTrv],
+  input  logic          [NumTrv-1:0] leaf_lost_i,          // another TRV was served
+  output ti_pkg::leaf_t              leaf_data_o [NumTrv],
 
   input  logic            [NumTrv-1:0] return_valid_i,
   output logic            [NumTrv-1:0] return_ready_o,
@@ -151,5 +151,11 @@ module ti_traverse #(
   );
 
   `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
+  `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
+  `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_traverse

@@ -12,7 +12,7 @@ namespace ti::model {
 /// t at which a ray crosses the split plane; NaN exactly when it is parallel to the plane and in
 /// it.
 ///
-/// Bit-exact model of `ti_trv_step`.
+/// Bit-exact model of `ti_kd_step`.
 template <class F>
 [[nodiscard]] F split_distance(const ImageNode& node, const Vec<F>& o, const Vec<F>& inv) {
   return (F::from_bits(node.value) - o[node.axis()]) * inv[node.axis()];

@@ -35,7 +35,7 @@ class LeafTests:
             return
         for record in self._scene.ids[leaf["first"] : leaf["first"] + leaf["count"]]:
             token = {"home": leaf["home"], "count": 1}
-            hit = self._scene.test(record, leaf["o"], leaf["d"], leaf["tbest"]).hit
+            hit = self._scene.test(record, *leaf["operands"].values(), leaf["tbest"]).hit
             if hit:
                 token.update(zip("tuv", hit, strict=True), hit=1, prim=self._scene.prim(record))
             yield token

@@ -2,6 +2,7 @@
 """Rays and boxes as bits: the corner cases of ray set-up, and random ones."""
 
 from models.numbers import numbers
+from models.payload import payloads
 
 KEYS = ("o", "d", "tmin", "tmax")
 
@@ -38,6 +39,22 @@ def clip(box_lo, box_hi, given):
     """What the model makes of a ray: (miss, status, inverse, tmin, tmax)."""
     miss, status, inv, tmin, tmax = numbers().model("clip", box_lo, box_hi, *given.values())
     return int(miss), status, tuple(inv), tmin, tmax
+
+
+def dispatched(given, inv, tmin, tmax, ray_id=0, any_hit=0):
+    """A ray as RD sends it to its home."""
+    operands = {"o": given["o"], "d": given["d"]}
+    return payloads().pack(
+        "dispatch_t",
+        ray_id=ray_id,
+        any_hit=any_hit,
+        operands=operands,
+        ray_tmin=given["tmin"],
+        ray_tmax=given["tmax"],
+        inv=inv,
+        tmin=tmin,
+        tmax=tmax,
+    )
 
 
 def ray(o, d, tmin=0, tmax=None):

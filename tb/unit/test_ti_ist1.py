@@ -6,24 +6,44 @@ from collections import Counter
 import cocotb
 import pytest
 from agents.bench import cycle, run, start
+from agents.events import Events
+from agents.idle import Idle, one
 from agents.image_memory import ImageMemory
 from agents.stream import Sink, Source, stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
-from models.payload import parameter, payloads
+from models.payload import configuration, parameter, payloads
 from models.scene import BASE, Scene, rays_through, soup
 
 SLOTS_TO_FILL = 64  # fewer cannot keep the pipeline busy
 PATIENCE = 5000  # cycles without a beat after which one is lost
 
 
-async def setup(dut, triangles=60, **memory):
-    """A scene in memory behind a reset unit; (rng, scene)."""
+class Bench:
+    """A scene in memory behind a reset unit, its events and `idle_o` under watch."""
+
+    def __init__(self, dut, rng, triangles=60, size=0.8, **memory):
+        self.scene = Scene(soup(rng, triangles, size))
+        dut.plane_base_i.value = self.scene.plane_base
+        dut.bary_base_i.value = self.scene.bary_base
+        made = {k: make(rng, self.scene) for k, make in memory.items()}
+        self.memory = ImageMemory(dut, self.scene.bytes, BASE, **made)
+        self.events = Events(dut, "ist1")
+        Idle(dut, {"test": one}, {"candidate": one, "return": one})
+
+    def check_counts(self, a_passes, b_passes, errors=0):
+        """Passes, and that each pass and each error is an access of the L1."""
+        counts = self.events.counts()
+        assert (counts["a_passes"], counts["b_passes"]) == (a_passes, b_passes)
+        assert counts["works"] == a_passes + b_passes
+        assert counts["l1_accesses"] == a_passes + b_passes + errors
+        assert counts["l1_accesses"] == sum(counts[f"l1_{k}"] for k in ("hits", "merged", "misses"))
+        assert counts["l1_misses"] == len(self.memory.asked)
+
+
+async def setup(dut, **scene):
     rng = await start(dut)
-    scene = Scene(soup(rng, triangles, size=0.8))
-    dut.plane_base_i.value, dut.bary_base_i.value = scene.plane_base, scene.bary_base
-    ImageMemory(dut, scene.bytes, BASE, **{k: make(rng, scene) for k, make in memory.items()})
-    return rng, scene
+    return rng, Bench(dut, rng, **scene)
 
 
 def random_tests(rng, scene, count):
@@ -36,14 +56,13 @@ def random_tests(rng, scene, count):
         yield {
             "home": {"trv": i & 1, "slot": i >> 1 & 7},
             "record": record,
-            "o": o,
-            "d": d,
+            "operands": {"o": o, "d": d},
             "tbest": n.inf if rng.random() < 0.5 else n.of(rng.uniform(0, 2)),
         }
 
 
 def outcome(scene, test):
-    return scene.test(test["record"], test["o"], test["d"], test["tbest"])
+    return scene.test(test["record"], *test["operands"].values(), test["tbest"])
 
 
 def candidate(scene, test):
@@ -79,16 +98,13 @@ async def collect(dut, rng, todo, want, p_valid, p_ready):
         assert len(have) == len(beats)
 
 
-def counters(dut):
-    return payloads().unpack("ist1_counters_t", int(dut.counters_o.value))
-
-
 @cocotb.test()
 @cocotb.parametrize(p_valid=[1.0, 0.3], p_ready=[1.0, 0.2], latency=[1, 40])
 async def answers_each_test_once_as_the_model_does(dut, p_valid, p_ready, latency):
-    rng, scene = await setup(
+    rng, bench = await setup(
         dut, latency=lambda rng, _: lambda: rng.randint(1, latency), ready=mostly
     )
+    scene = bench.scene
     todo = list(random_tests(rng, scene, 400))
     kept = [c for c in (candidate(scene, test) for test in todo) if c is not None]
     over = [token(test) for test in todo if candidate(scene, test) is None]
@@ -97,8 +113,7 @@ async def answers_each_test_once_as_the_model_does(dut, p_valid, p_ready, latenc
     await collect(dut, rng, todo, (kept, over), p_valid, p_ready)
 
     passes = [outcome(scene, test).passes for test in todo]
-    assert counters(dut)["a_passes"] == len(todo)
-    assert counters(dut)["b_passes"] == sum(p > 1 for p in passes)
+    bench.check_counts(len(todo), sum(p > 1 for p in passes))
 
 
 def mostly(rng, _):
@@ -108,26 +123,30 @@ def mostly(rng, _):
 @cocotb.test()
 @cocotb.parametrize(part=["plane", "bary"])
 async def a_memory_error_comes_back_as_one(dut, part):
+    line_bytes = configuration()["line_bytes"]
+
     def fails(rng, scene):
         start, size = {"plane": (scene.plane_base, 32), "bary": (scene.bary_base, 16)}[part]
-        lines = len(dut.line_rsp_data_i) // 8
-        bad = {(start + size * r) // lines for r in range(0, len(scene.planes), 7)}
+        bad = {(start + size * r) // line_bytes for r in range(0, len(scene.planes), 7)}
         return lambda line: line in bad
 
-    rng, scene = await setup(dut, fails=fails)
+    rng, bench = await setup(dut, fails=fails)
+    scene = bench.scene
     bad = fails(rng, scene)
-    line_bytes = len(dut.line_rsp_data_i) // 8
 
     def failed(test, base, size):
         return bad((base + size * test["record"]) // line_bytes)
 
     todo = list(random_tests(rng, scene, 300))
-    kept, over, errors = [], [], 0
+    kept, over, errors, passes = [], [], 0, Counter()
     for test in todo:
         result = outcome(scene, test)
-        error = failed(test, scene.plane_base, 32)
-        error = error or (result.passes > 1 and failed(test, scene.bary_base, 16))
+        error_a = failed(test, scene.plane_base, 32)
+        error_b = not error_a and result.passes > 1 and failed(test, scene.bary_base, 16)
+        error = error_a or error_b
         errors += error
+        passes["a"] += not error_a
+        passes["b"] += result.passes > 1 and not error
         if error or result.passes < 3:
             over.append(token(test, int(error)))
         else:
@@ -135,26 +154,25 @@ async def a_memory_error_comes_back_as_one(dut, part):
     assert errors > 20
 
     await collect(dut, rng, todo, (kept, over), 1.0, 0.5)
+    bench.check_counts(passes["a"], passes["b"], errors)
 
 
 @cocotb.test()
 async def a_miss_in_pass_a_fetches_nothing_more(dut):
-    rng = await start(dut)
-    scene = Scene(soup(rng, 60))
-    dut.plane_base_i.value, dut.bary_base_i.value = scene.plane_base, scene.bary_base
-    memory = ImageMemory(dut, scene.bytes, BASE)
+    rng, bench = await setup(dut, size=0.3)
+    scene, memory = bench.scene, bench.memory
     todo = [t for t in random_tests(rng, scene, 500) if outcome(scene, t).passes == 1]
 
     await collect(dut, rng, todo, ([], [token(test) for test in todo]), 1.0, 1.0)
 
     assert all(line < memory.line_of(scene.bary_base) for line in memory.asked)
-    assert counters(dut)["b_passes"] == 0
+    bench.check_counts(len(todo), 0)
 
 
 @cocotb.test()
 async def a_pass_takes_its_latency_from_the_answer_to_the_result(dut):
-    rng, scene = await setup(dut)
-    todo = next(t for t in random_tests(rng, scene, 100) if outcome(scene, t).passes == 3)
+    rng, bench = await setup(dut)
+    todo = test_of(rng, bench.scene, 3)
     dut.candidate_ready_i.value = 1
     cocotb.start_soon(Source(dut, "test").send([payloads().pack("test_t", todo)]))
 
@@ -177,7 +195,8 @@ async def takes_one_pass_every_cycle(dut, passes):
 
     The tests take `passes` passes each; 0: any number.
     """
-    rng, scene = await setup(dut, triangles=12)
+    rng, bench = await setup(dut, triangles=12)
+    scene, events = bench.scene, bench.events
     pool = [t for t in random_tests(rng, scene, 2000) if passes in (0, outcome(scene, t).passes)]
     packed = [payloads().pack("test_t", test) for test in pool]
     dut.candidate_ready_i.value = dut.return_ready_i.value = 1
@@ -185,19 +204,88 @@ async def takes_one_pass_every_cycle(dut, passes):
     cocotb.start_soon(source.send(rng.choice(packed) for _ in range(10_000)))
 
     await ClockCycles(dut.clk_i, 300)
-    before, since = counters(dut), cycle()
+    before, since = events.counts(), cycle()
     await ClockCycles(dut.clk_i, 500)
-    after, until = counters(dut), cycle()
+    done, until = events.since(before), cycle()
 
-    assert after["cache"]["misses"] == before["cache"]["misses"]
-    taken = sum(after[k] - before[k] for k in ("a_passes", "b_passes"))
-    assert taken == until - since == 500
+    assert done["l1_misses"] == 0
+    assert done["a_passes"] + done["b_passes"] == done["works"] == until - since == 500
 
 
-@pytest.mark.parametrize(
-    "params",
-    [{}, {"NumSlots": SLOTS_TO_FILL, "CacheBytes": 4096, "Ways": 4, "Rows": 4}],
-    ids=["tiny", "large"],
-)
-def test_ti_ist1(params):
-    run("ti_ist1", "test_ti_ist1", params=params)
+def test_of(rng, scene, passes):
+    """One that takes so many passes."""
+    return next(t for t in random_tests(rng, scene, 1000) if outcome(scene, t).passes == passes)
+
+
+@cocotb.test()
+async def a_flush_makes_it_ask_for_its_lines_again(dut):
+    rng, bench = await setup(dut)
+    todo = test_of(rng, bench.scene, 3)
+
+    async def lines_asked_for():
+        before = len(bench.memory.asked)
+        cocotb.start_soon(Source(dut, "test").send([payloads().pack("test_t", todo)]))
+        assert await Sink(dut, "candidate").receive(1) == [candidate(bench.scene, todo)]
+        return bench.memory.asked[before:]
+
+    first = await lines_asked_for()
+    assert len(first) == 2 and await lines_asked_for() == []
+    dut.flush_i.value = 1
+    await RisingEdge(dut.clk_i)
+    dut.flush_i.value = 0
+    assert await lines_asked_for() == first
+
+
+@cocotb.test()
+async def tells_what_it_does_in_each_cycle(dut):
+    """Nothing to do, a line that memory holds back, a test alone, takers that wait."""
+    held = [False]
+    rng, bench = await setup(dut, latency=lambda *_: lambda: None if held[0] else 5)
+    source, events, memory = Source(dut, "test"), bench.events, bench.memory
+    dut.candidate_ready_i.value = dut.return_ready_i.value = 1
+
+    async def during(cycles):
+        before = events.counts()
+        await ClockCycles(dut.clk_i, cycles)
+        return events.activities(before)
+
+    assert await during(20) == {"empty": 20}
+
+    for passes in (3, 1):
+        beat = payloads().pack("test_t", test_of(rng, bench.scene, passes))
+        held[0] = True
+        cocotb.start_soon(source.send([beat]))
+        for _ in range(min(passes, 2)):  # a part for each of the first two passes
+            await ClockCycles(dut.clk_i, 50)
+            assert await during(30) == {"memory": 30}
+            memory.release(memory.held()[0])
+        await ClockCycles(dut.clk_i, 60)
+        held[0] = False
+
+        cocotb.start_soon(source.send([beat]))  # its lines are in the L1
+        works = min(passes, 2)
+        steps = works * (3 + 1 + int(dut.PassLatency.value) - 1) + 2
+        moves = {"empty": 1 + 99 - works - steps, "works": works, "latency": steps}
+        assert await during(100) == moves
+
+        dut.candidate_ready_i.value = dut.return_ready_i.value = 0
+        cocotb.start_soon(source.send([beat]))
+        await ClockCycles(dut.clk_i, 80)
+        assert await during(30) == {"room": 30}
+        dut.candidate_ready_i.value = dut.return_ready_i.value = 1
+        await ClockCycles(dut.clk_i, 5)
+        assert await during(5) == {"empty": 5}
+
+
+BUILDS = {
+    "tiny": ("", {}),
+    "large": ("ist1_rows=4", {"NumSlots": SLOTS_TO_FILL, "CacheBytes": 4096, "Ways": 4, "Rows": 4}),
+    "lines": ("line_bytes=32 exp_bits=7 frac_bits=16", {"NumSlots": 5, "Rows": 1}),
+    "wide": ("line_bytes=128", {"NumSlots": 16}),
+}
+
+
+@pytest.mark.parametrize("build", BUILDS)
+def test_ti_ist1(build):
+    overrides, params = BUILDS[build]
+    run("ti_ist1", "test_ti_ist1", config=f"tiny {overrides}", params=params)

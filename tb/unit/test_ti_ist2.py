@@ -4,6 +4,7 @@
 import cocotb
 import pytest
 from agents.bench import cycle, run, start
+from agents.events import Events
 from agents.stream import Sink, Source, stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.ist1_cases import finite_not_zero, pass_b_cases
@@ -58,10 +59,15 @@ def packed(candidates):
     return [payloads().pack("candidate_t", c) for c in candidates]
 
 
+async def setup(dut):
+    rng = await start(dut)
+    return rng, Events(dut, "ist2")
+
+
 @cocotb.test()
 @cocotb.parametrize(p_valid=[1.0, 0.3], p_ready=[1.0, 0.3])
 async def gives_the_model_s_values_in_order(dut, p_valid, p_ready):
-    rng = await start(dut)
+    rng, events = await setup(dut)
     source, sink = Source(dut, "candidate"), Sink(dut, "return")
     todo = list(candidates(rng, 500))
 
@@ -74,13 +80,12 @@ async def gives_the_model_s_values_in_order(dut, p_valid, p_ready):
             f"{hexed(candidate)}: want {hexed(want)}, got {hexed(read(bits))}"
         )
     await sink.expect_none(2 * int(dut.Latency.value))
-    counters = payloads().unpack("ist2_counters_t", int(dut.counters_o.value))
-    assert counters["c_passes"] == len(todo)
+    assert events.counts()["c_passes"] == len(todo)
 
 
 @cocotb.test()
 async def a_t_that_is_not_finite_is_a_miss(dut):
-    rng = await start(dut)
+    rng, events = await setup(dut)
     n = numbers()
     source, sink = Source(dut, "candidate"), Sink(dut, "return")
     most, least = n.inf - 1, 1
@@ -93,11 +98,12 @@ async def a_t_that_is_not_finite_is_a_miss(dut):
     got = await sink.receive(len(todo))
 
     assert [payloads().unpack("return_t", bits)["hit"] for bits in got] == [h for _, _, h in dets]
+    assert events.counts()["c_passes"] == len(todo)
 
 
 @cocotb.test()
 async def takes_latency_cycles_and_gives_one_a_cycle(dut):
-    rng = await start(dut)
+    rng, events = await setup(dut)
     todo = packed(candidates(rng, 100))[-100:]
     dut.return_ready_i.value = 1
     sent, came = [], []
@@ -114,11 +120,12 @@ async def takes_latency_cycles_and_gives_one_a_cycle(dut):
 
     assert sent == list(range(sent[0], sent[0] + 100))
     assert came == [c + int(dut.Latency.value) for c in sent]
+    assert events.counts()["works"] == 100
 
 
 @cocotb.test()
 async def credits_stop_the_input_before_anything_is_lost(dut):
-    rng = await start(dut)
+    rng, events = await setup(dut)
     source, sink = Source(dut, "candidate"), Sink(dut, "return")
     todo = list(candidates(rng, 100))[:200]
     latency = int(dut.Latency.value)
@@ -127,12 +134,59 @@ async def credits_stop_the_input_before_anything_is_lost(dut):
     await ClockCycles(dut.clk_i, 4 * latency)
     await ReadOnly()
     assert dut.candidate_ready_o.value == 0
-    counters = payloads().unpack("ist2_counters_t", int(dut.counters_o.value))
-    assert counters["c_passes"] == latency + 2
+    assert events.counts()["c_passes"] == latency + 2
     await RisingEdge(dut.clk_i)
 
     got = await sink.receive(len(todo))
     assert [read(bits) for bits in got] == [expected(candidate) for candidate in todo]
+
+
+@cocotb.test()
+async def is_idle_except_while_a_candidate_is_inside(dut):
+    """From the cycle after the first one in to that in which the last result goes."""
+    rng, _ = await setup(dut)
+    todo = packed(candidates(rng, 20))[-20:]
+    source = Source(dut, "candidate")
+    await RisingEdge(dut.clk_i)
+    cocotb.start_soon(source.send(todo, stalls(rng, 0.5)))
+    inside = 0
+    for _ in range(20 * 8 + int(dut.Latency.value)):
+        dut.return_ready_i.value = int(rng.random() < 0.5)
+        await ReadOnly()
+        assert dut.idle_o.value == (inside == 0), f"{inside} inside"
+        inside += dut.candidate_valid_i.value == 1 and dut.candidate_ready_o.value == 1
+        inside -= dut.return_valid_o.value == 1 and dut.return_ready_i.value == 1
+        await RisingEdge(dut.clk_i)
+    assert inside == 0
+
+
+@cocotb.test()
+async def tells_what_it_does_in_each_cycle(dut):
+    """Nothing to do, one candidate, one in every cycle, a taker that waits."""
+    rng, events = await setup(dut)
+    source, latency = Source(dut, "candidate"), int(dut.Latency.value)
+    todo = packed(candidates(rng, 100))[-100:]
+
+    async def during(cycles):
+        before = events.counts()
+        await ClockCycles(dut.clk_i, cycles)
+        return events.activities(before)
+
+    assert await during(20) == {"empty": 20}
+
+    dut.return_ready_i.value = 1
+    cocotb.start_soon(source.send(todo[:1]))
+    assert await during(2 * latency) == {"works": 1, "latency": latency, "empty": latency - 1}
+
+    task = cocotb.start_soon(source.send(todo))
+    assert await during(100) == {"works": 100}
+    await task
+    await ClockCycles(dut.clk_i, 2 * latency)
+
+    dut.return_ready_i.value = 0
+    cocotb.start_soon(source.send(todo))
+    await ClockCycles(dut.clk_i, 3 * latency)
+    assert await during(30) == {"room": 30}
 
 
 @pytest.mark.parametrize("overrides", FORMATS)

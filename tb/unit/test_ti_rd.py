@@ -1,25 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_rd` deals each ray that meets the scene to one home with room and answers the others."""
+"""`ti_rd` deals rays that meet the scene to homes in tiles, and answers the others, in order."""
 
 import cocotb
 import pytest
 from agents.bench import cycle, run, start
+from agents.events import Events
 from agents.stream import Sink, Source, stalls
-from cocotb.triggers import ReadOnly, RisingEdge
+from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
-from models.payload import payloads
-from models.rays import clip, random_ray, ray, setup_cases, unit_box
+from models.payload import parameter, payloads
+from models.rays import clip, dispatched, random_ray, ray, setup_cases, unit_box
+
+DEPTH = 16  # rays inside, of which the RTL says so in its page
 
 
 class Homes:
-    """The homes: each has room for `slots` rays, and gets a place back after `busy()` cycles.
+    """The homes: each has room for `slots` rays, or a list of that, one a home.
 
-    `closed` homes never have room.  `dealt` lists (cycle, home, dispatch) as they come.
+    A place comes back `busy()` cycles after it was taken, or never for None.  `dealt` lists
+    (cycle, home, dispatch) as they come.
     """
 
-    def __init__(self, dut, slots=1, busy=lambda: 0, closed=()):
+    def __init__(self, dut, slots=1, busy=lambda: 0):
         self._dut, self._busy = dut, busy
-        self._room = [0 if h in closed else slots for h in range(int(dut.NumTrv.value))]
+        count = int(dut.NumTrv.value)
+        self._room = list(slots) if isinstance(slots, list) else [slots] * count
         self._back = []  # (cycle, home)
         self.dealt = []
         cocotb.start_soon(self._run())
@@ -40,7 +45,9 @@ class Homes:
                 assert valid == 1 << home, f"dealt to several homes: {valid:#b}"
                 self.dealt.append((cycle(), home, int(dut.dispatch_data_o.value)))
                 self._room[home] -= 1
-                self._back.append((cycle() + 1 + self._busy(), home))
+                busy = self._busy()
+                if busy is not None:
+                    self._back.append((cycle() + 1 + busy, home))
             await RisingEdge(dut.clk_i)
 
 
@@ -48,7 +55,8 @@ async def setup(dut, **homes):
     rng = await start(dut)
     for port, corner in zip((dut.box_lo_i, dut.box_hi_i), unit_box(), strict=True):
         port.value = payloads().pack_vec(corner)
-    return rng, Homes(dut, **{k: make(rng) for k, make in homes.items()})
+    events = Events(dut, "rd")
+    return rng, Homes(dut, **{k: make(rng) for k, make in homes.items()}), events
 
 
 def packed(rays):
@@ -59,17 +67,27 @@ def packed(rays):
 
 def expected(ray_id, given):
     """("dispatch_t" or "hit_t", the beat)."""
-    p = payloads()
     miss, status, inv, tmin, tmax = clip(*unit_box(), given)
     if miss:
-        beat = p.pack("hit_t", ray_id=ray_id, status=status, prim=(1 << 32) - 1, t=numbers().inf)
-        return "hit_t", beat
-    whole = {"ray_id": ray_id, "any_hit": ray_id & 1, **given}
-    return "dispatch_t", p.pack("dispatch_t", ray=whole, inv=inv, tmin=tmin, tmax=tmax)
+        values = {"status": status, "prim": (1 << 32) - 1, "t": numbers().inf}
+        return "hit_t", payloads().pack("hit_t", values, ray_id=ray_id)
+    return "dispatch_t", dispatched(given, inv, tmin, tmax, ray_id, ray_id & 1)
 
 
-async def all_of(dut, rng, rays, homes, p_valid=1.0, p_ready=1.0):
-    """Send the rays, check that each came out once and right; the misses' and homes' beats."""
+def inside():
+    """A ray that enters the box."""
+    n = numbers()
+    return ray(n.vec((0, 0, 0)), n.vec((0, 0, 1)))
+
+
+def outside():
+    """One that misses it."""
+    n = numbers()
+    return ray(n.vec((5, 0, 0)), n.vec((0, 0, 1)))
+
+
+async def all_of(dut, rng, rays, homes, events, p_valid=1.0, p_ready=1.0):
+    """Send the rays, check that each came out once, right and counted."""
     want = [expected(i, given) for i, given in enumerate(rays)]
     misses = [beat for kind, beat in want if kind == "hit_t"]
     deals = [beat for kind, beat in want if kind == "dispatch_t"]
@@ -85,32 +103,30 @@ async def all_of(dut, rng, rays, homes, p_valid=1.0, p_ready=1.0):
         for bits, beat in zip(have, misses if name == "hit_t" else deals, strict=True):
             shown = [hexed(payloads().unpack(name, b)) for b in (beat, bits)]
             assert bits == beat, f"want {shown[0]}, got {shown[1]}"
+    counts = events.counts()
+    assert (counts["rays"], counts["misses"]) == (len(rays), len(misses))
 
 
 @cocotb.test()
 @cocotb.parametrize(p_valid=[1.0, 0.2], p_ready=[1.0, 0.3], busy=[0, 60])
 async def every_ray_leaves_once_and_in_order(dut, p_valid, p_ready, busy):
     """Misses and deals each in the order of the rays, whatever stalls."""
-    rng, homes = await setup(dut, busy=lambda rng: lambda: rng.randint(0, busy))
+    rng, homes, events = await setup(dut, busy=lambda rng: lambda: rng.randint(0, busy))
     rays = [random_ray(rng) for _ in range(300)]
     rays += [given for _, _, given in rng.sample(list(setup_cases(rng, 0)), 300)]
     rng.shuffle(rays)
 
-    await all_of(dut, rng, rays, homes, p_valid, p_ready)
+    await all_of(dut, rng, rays, homes, events, p_valid, p_ready)
 
 
 @cocotb.test()
 async def hits_and_misses_leave_in_one_order(dut):
     """A miss behind a ray that waits for a home waits with it."""
-    n = numbers()
-    rng, homes = await setup(dut, busy=lambda rng: lambda: rng.randint(0, 30))
-    inside, outside = (
-        ray(n.vec((0, 0, 0)), n.vec((0, 0, 1))),
-        ray(n.vec((5, 0, 0)), n.vec((0, 0, 1))),
-    )
+    rng, homes, _ = await setup(dut, busy=lambda rng: lambda: rng.randint(0, 30))
     kinds = [rng.random() < 0.5 for _ in range(200)]
     dut.hit_ready_i.value = 1
-    cocotb.start_soon(Source(dut, "ray").send(packed(inside if k else outside for k in kinds)))
+    rays = packed(inside() if k else outside() for k in kinds)
+    cocotb.start_soon(Source(dut, "ray").send(rays))
 
     order = []
     for _ in range(200 * 40):
@@ -119,7 +135,7 @@ async def hits_and_misses_leave_in_one_order(dut):
             order.append(payloads().unpack("hit_t", int(dut.hit_data_o.value))["ray_id"])
         elif int(dut.dispatch_valid_o.value):
             beat = payloads().unpack("dispatch_t", int(dut.dispatch_data_o.value))
-            order.append(beat["ray"]["ray_id"])
+            order.append(beat["ray_id"])
         await RisingEdge(dut.clk_i)
 
     assert order == list(range(200))
@@ -128,10 +144,8 @@ async def hits_and_misses_leave_in_one_order(dut):
 
 @cocotb.test()
 async def takes_a_ray_in_three_cycles_and_gives_it_after_its_latency(dut):
-    n = numbers()
-    _, homes = await setup(dut, slots=lambda _: 1000)
-    inside = ray(n.vec((0, 0, 0)), n.vec((0, 0, 1)))
-    todo = list(packed([inside] * 60))
+    _, homes, events = await setup(dut, slots=lambda _: 1000)
+    todo = list(packed([inside()] * 60))
     taken = []
     for _ in range(60 * 3 + int(dut.Latency.value) + 8):
         dut.ray_valid_i.value = int(bool(todo))
@@ -144,33 +158,114 @@ async def takes_a_ray_in_three_cycles_and_gives_it_after_its_latency(dut):
 
     assert taken == list(range(taken[0], taken[0] + 180, 3))
     assert [at for at, _, _ in homes.dealt] == [at + int(dut.Latency.value) for at in taken]
+    assert events.counts()["works"] == 180
+
+
+def dealing(rooms, tile, count):
+    """The homes of `count` rays that enter the box, by the rule of the tiles."""
+    rooms, home, dealt, homes = list(rooms), 0, 0, []
+
+    def next_home():
+        others = [(home + 1 + i) % len(rooms) for i in range(len(rooms))]
+        return next((h for h in others if rooms[h]), home), 0
+
+    for _ in range(count):
+        if not rooms[home]:
+            home, dealt = next_home()
+        homes.append(home)
+        rooms[home] -= 1
+        dealt += 1
+        if dealt == tile:
+            home, dealt = next_home()
+    return homes
 
 
 @cocotb.test()
-async def deals_in_tiles_in_turn_while_homes_have_room(dut):
-    n = numbers()
-    rng, homes = await setup(dut, slots=lambda _: 1000)
+@cocotb.parametrize(p_miss=[0.0, 0.6], held=[False, True])
+async def deals_in_tiles_in_turn_while_homes_have_room(dut, p_miss, held):
+    """Rays that miss in between do not end a tile, whether rays wait to be dealt or not."""
+    rng, homes, events = await setup(dut, slots=lambda _: 1000)
     tile, count = int(dut.DealTile.value), int(dut.NumTrv.value)
-    rays = [ray(n.vec((0, 0, 0)), n.vec((0, 0, 1)))] * (3 * tile * count)
+    rays = [outside() if rng.random() < p_miss else inside() for _ in range(4 * tile * count)]
+    rays[0] = outside()  # held, it makes the rays behind it wait
+    dut.hit_ready_i.value = 0
 
-    await all_of(dut, rng, rays, homes)
+    await all_of(dut, rng, rays, homes, events, p_ready=0.05 if held else 1.0)
 
-    assert [home for _, home, _ in homes.dealt] == [i // tile % count for i in range(len(rays))]
+    enter = len(homes.dealt)
+    assert [home for _, home, _ in homes.dealt] == dealing([1000] * count, tile, enter)
+    assert [home for _, home, _ in homes.dealt] == [i // tile % count for i in range(enter)]
+    together = [b - a for (a, _, _), (b, _, _) in zip(homes.dealt, homes.dealt[1:], strict=False)]
+    assert (1 in together) == held, "held rays are dealt in consecutive cycles"
+
+
+@cocotb.test(skip=parameter("NumTrv") < 2)
+@cocotb.parametrize(seed=range(6))
+async def a_full_home_ends_its_tile(dut, seed):
+    """The next home with room starts a tile of its own; rooms do not come back here."""
+    rng, homes, events = await setup(dut)
+    tile, count = int(dut.DealTile.value), int(dut.NumTrv.value)
+    rng.seed(seed)
+    rooms = [rng.randint(0, 3 * tile + 1) for _ in range(count)]
+    homes._room, homes._busy = list(rooms), lambda: None
+    rays = [inside() if rng.random() < 0.7 else outside() for _ in range(8 * tile * count)]
+    enter = [i for i, given in enumerate(rays) if given == inside()]
+    rays = rays[: enter[sum(rooms)]]  # as many as there is room for
+
+    await all_of(dut, rng, rays, homes, events)
+
+    assert [home for _, home, _ in homes.dealt] == dealing(rooms, tile, sum(rooms))
 
 
 @cocotb.test()
 async def passes_over_homes_without_room(dut):
-    n = numbers()
     count = int(dut.NumTrv.value)
-    open_home = count - 1
-    rng, homes = await setup(
-        dut, slots=lambda _: 1000, closed=lambda _: [h for h in range(count) if h != open_home]
-    )
-    rays = [ray(n.vec((0, 0, 0)), n.vec((0, 0, 1)))] * 40
+    rooms = [0] * (count - 1) + [1000]
+    rng, homes, events = await setup(dut, slots=lambda _: rooms)
 
-    await all_of(dut, rng, rays, homes)
+    await all_of(dut, rng, [inside()] * 40, homes, events)
 
-    assert {home for _, home, _ in homes.dealt} == {open_home}
+    assert {home for _, home, _ in homes.dealt} == {count - 1}
+
+
+@cocotb.test()
+async def tells_what_it_does_in_each_cycle(dut):
+    """Nothing to do, a ray at a time, rays without pause, a home or a taker that waits."""
+    _, homes, events = await setup(dut, slots=lambda _: [0] * int(dut.NumTrv.value))
+    source, latency = Source(dut, "ray"), int(dut.Latency.value)
+
+    async def during(cycles):
+        before = events.counts()
+        await ClockCycles(dut.clk_i, cycles)
+        return events.activities(before)
+
+    assert await during(20) == {"empty": 20}
+
+    dut.hit_ready_i.value = 1
+    before = events.counts()
+    await source.send(packed([outside()]))
+    await ClockCycles(dut.clk_i, 2 * latency)
+    works = 3
+    assert events.activities(before) == {
+        "empty": 1 + latency,  # the cycle in which it is taken, and after its hit
+        "works": works,
+        "latency": latency - works,
+    }
+
+    task = cocotb.start_soon(source.send(packed([outside()] * 100)))
+    await ClockCycles(dut.clk_i, 50)
+    assert await during(100) == {"works": 100}
+    await task
+    await ClockCycles(dut.clk_i, 50)
+
+    for given in (inside(), outside()):
+        dut.hit_ready_i.value = 0
+        cocotb.start_soon(source.send(packed([given] * DEPTH)))
+        await ClockCycles(dut.clk_i, 100)
+        assert await during(30) == {"room": 30}
+        homes._room = [DEPTH] * int(dut.NumTrv.value)
+        dut.hit_ready_i.value = 1
+        await ClockCycles(dut.clk_i, 50)
 
 
 @pytest.mark.parametrize(

@@ -7,20 +7,33 @@ from itertools import pairwise
 
 import cocotb
 import pytest
-import ti_model
 from agents.bench import cycle, run, start
+from agents.events import Events
+from agents.idle import Idle, one
 from agents.image_memory import ImageMemory
 from agents.leaf_tests import LeafTests
 from agents.stream import Sink, Source, stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
 from models.payload import parameter, payloads
-from models.rays import clip, ray
+from models.rays import clip, dispatched, ray
 from models.scene import BASE, Scene, rays_through, soup
+from models.traced import (
+    MEMORY_ERROR,
+    NO_PRIM,
+    OK,
+    WATCHDOG,
+    hit_of,
+    leaf_at_end,
+    nodes_of,
+    random_rays,
+    trace,
+    tracer,
+    work_of,
+)
 
-OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
-NO_PRIM = (1 << 32) - 1
 SLOTS_TO_FILL = 32  # fewer cannot keep the step pipeline busy
+RA_HIT = 2  # cycles of a `ti_ra` on a hit
 PATIENCE = 30_000  # cycles without a hit after which a ray is lost
 
 
@@ -41,10 +54,34 @@ class Steps:
                 self.nodes[ray_id].append(int(dut.end_index.value))
             if dut.start.value == 1:
                 beat = payloads().unpack("dispatch_t", int(dut.dispatch_data_i.value))
-                ray_id = beat["ray"]["ray_id"]
+                ray_id = beat["ray_id"]
                 self.rays_of_slot.setdefault(int(dut.new_slot.value), []).append(ray_id)
                 self.nodes[ray_id] = []
             await RisingEdge(dut.clk_i)
+
+
+class Room:
+    """Sees that a ray is taken in every cycle in which a slot is free, and in no other."""
+
+    def __init__(self, dut):
+        cocotb.start_soon(self._run(dut))
+
+    async def _run(self, dut):
+        free = int(dut.NumSlots.value)
+        while True:
+            await ReadOnly()
+            assert dut.dispatch_ready_o.value == (free > 0), f"{free} slots free"
+            free -= dut.dispatch_valid_i.value == 1 and dut.dispatch_ready_o.value == 1
+            free += dut.hit_valid_o.value == 1 and dut.hit_ready_i.value == 1
+            await RisingEdge(dut.clk_i)
+
+
+async def setup(dut):
+    """The test's random source, and the events of a reset unit under watch."""
+    rng = await start(dut)
+    Room(dut)
+    Idle(dut, {"dispatch": one}, {"hit": one})
+    return rng, Events(dut, "trv")
 
 
 def dispatch(scene, given, ray_id=0, any_hit=0):
@@ -52,46 +89,25 @@ def dispatch(scene, given, ray_id=0, any_hit=0):
     miss, _, inv, tmin, tmax = clip(*scene.box, given)
     if miss:
         return None
-    whole = {"ray_id": ray_id, "any_hit": any_hit, **given}
-    return payloads().pack("dispatch_t", ray=whole, inv=inv, tmin=tmin, tmax=tmax)
-
-
-def random_rays(rng, count):
-    n = numbers()
-    for o, d in rays_through(rng, count):
-        tmin = n.of(rng.choice((0.0, 0.0, 0.5)))
-        yield ray(o, d, tmin, rng.choice((n.inf, n.inf, n.of(rng.uniform(1, 3)))))
-
-
-def trace(tracer, given, any_hit=0):
-    """What the model makes of a ray."""
-    n = numbers()
-    o, d = ([n.float(x) for x in given[k]] for k in "od")
-    return tracer.trace(o, d, n.float(given["tmin"]), n.float(given["tmax"]), bool(any_hit))
-
-
-def nodes_of(traced):
-    return [int(line.split()[1]) for line in traced.log]
-
-
-def hit_of(traced, ray_id, any_hit):
-    values = {k: getattr(traced, k) for k in ("t", "u", "v", "status")}
-    found = traced.prim >= 0
-    prim = traced.prim if found else NO_PRIM
-    return {**values, "ray_id": ray_id, "hit": int(found), "prim": prim, "steps": traced.hit_steps}
+    return dispatched(given, inv, tmin, tmax, ray_id, any_hit)
 
 
 def tracer_of(dut, scene):
     depth, watchdog = int(dut.StackDepth.value), int(dut.WatchdogSteps.value)
-    return ti_model.Tracer.create(scene.image, depth, watchdog)
+    return tracer(scene, depth, watchdog)
 
 
 def put_scene(dut, scene):
     dut.node_base_i.value, dut.root_i.value = scene.node_base, scene.root
 
 
-def counters(dut):
-    return payloads().unpack("trv_counters_t", int(dut.counters_o.value))
+def check_counts(events, total, rays, memory):
+    have = events.counts()
+    assert {k: have[k] for k in total} == dict(total)
+    assert have["rays"] == rays
+    assert have["l1_accesses"] == total["steps"]
+    assert have["l1_accesses"] == sum(have[f"l1_{k}"] for k in ("hits", "merged", "misses"))
+    assert have["l1_misses"] == len(memory.asked)
 
 
 async def all_hits(dut, beats, gap=lambda: 0, ready=lambda: 1):
@@ -110,15 +126,15 @@ async def all_hits(dut, beats, gap=lambda: 0, ready=lambda: 1):
 @cocotb.test()
 @cocotb.parametrize((("p", "latency"), [(1.0, 1), (0.3, 60)]), size=[0.3, 0.02])
 async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
-    """Hits, node sequences, counters; closest and any-hit rays; stalls on all sides.
+    """Hits, node sequences, events; closest and any-hit rays; stalls on all sides.
 
     Small triangles let the rays through to the far side of a deep tree, past full stacks.
     """
-    rng = await start(dut)
+    rng, events = await setup(dut)
     scene = Scene(soup(rng, 300, size))
     put_scene(dut, scene)
-    tracer, steps = tracer_of(dut, scene), Steps(dut)
-    ImageMemory(
+    model, steps = tracer_of(dut, scene), Steps(dut)
+    memory = ImageMemory(
         dut,
         scene.bytes,
         BASE,
@@ -134,17 +150,22 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
 
     total = Counter()
     for i, given in enumerate(rays):
-        want = trace(tracer, given, i % 3 == 0)
+        want = trace(model, given, i % 3 == 0)
         log = nodes_of(want)
         extra = steps.nodes[i][len(log) :]  # the step that the watchdog stops has no line
         assert steps.nodes[i][: len(log)] == log and len(extra) == (want.status == WATCHDOG), given
         assert hits[i] == hit_of(want, i, i % 3 == 0), given
-        total.update({k: getattr(want, k) for k in ("steps", "leaves", "full_leaves", "restarts")})
-    have = counters(dut)
-    assert {k: have[k] for k in total} == dict(total)
-    assert have["rays"] == len(rays)
+        work = work_of(want, steps.nodes[i])
+        assert [work[k] for k in ("leaves", "full_leaves")] == [want.leaves, want.full_leaves]
+        assert work["restarts"] + work["restarts_after_tests"] == want.restarts
+        total.update({**work, "steps": want.steps})
+    check_counts(events, total, len(rays), memory)
     assert sum(hit["hit"] for hit in hits.values()) > 5 or size < 0.3
-    assert total["restarts"] > 0 or size == 0.3 or int(dut.StackDepth.value) > 4
+    assert (
+        total["restarts"] + total["restarts_after_tests"] > 0
+        or size == 0.3
+        or int(dut.StackDepth.value) > 4
+    )
     assert all(len(r) > 1 for r in steps.rays_of_slot.values())
     assert len(steps.rays_of_slot) == int(dut.NumSlots.value)
 
@@ -152,10 +173,10 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
 @cocotb.test()
 @cocotb.parametrize(every=[13, 40])
 async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
-    rng = await start(dut)
+    rng, events = await setup(dut)
     scene = Scene(soup(rng, 300))
     put_scene(dut, scene)
-    tracer, steps = tracer_of(dut, scene), Steps(dut)
+    model, steps = tracer_of(dut, scene), Steps(dut)
     memory = ImageMemory(dut, scene.bytes, BASE, fails=lambda line: bad(line))
     first = memory.line_of(scene.node_base)
 
@@ -167,9 +188,9 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
 
     hits = await all_hits(dut, [dispatch(scene, r, i) for i, r in enumerate(rays)])
 
-    errors = 0
+    errors, total = 0, Counter()
     for i, given in enumerate(rays):
-        traced = trace(tracer, given)
+        traced = trace(model, given)
         nodes, want = nodes_of(traced), hit_of(traced, i, 0)
         fatal = [bad(memory.line_of(scene.node_base + 8 * node)) for node in nodes]
         if any(fatal):
@@ -178,6 +199,12 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
             miss = {"hit": 0, "prim": NO_PRIM, "t": numbers().inf, "u": 0, "v": 0}
             want = {**want, **miss, "status": MEMORY_ERROR, "steps": len(nodes)}
         assert hits[i] == want and steps.nodes[i][: len(nodes)] == nodes, given
+        work = work_of(traced, steps.nodes[i])
+        if any(fatal):  # the node that did not come may be a leaf
+            assert steps.nodes[i] == nodes
+            work = work_of(traced, nodes) - leaf_at_end(traced, len(nodes))
+        total.update(work)
+    check_counts(events, total, len(rays), memory)
     assert 5 < errors < len(rays) - 5
 
 
@@ -185,66 +212,61 @@ def inner(link, reorder=0, axis=0, split=0.0):
     return numbers().of(split), link << 3 | reorder << 2 | axis
 
 
-def lone_ray():
+def lone_ray(ray_id=0):
     """A dispatch along x that every `inner(7, split=9.0)` sends on to the node after it."""
     n = numbers()
     given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
-    return payloads().pack("dispatch_t", ray=given, inv=n.vec((1, 2, 2)), tmax=n.of(2.0))
+    return dispatched(given, n.vec((1, 2, 2)), 0, n.of(2.0), ray_id)
 
 
-def put_nodes(dut, nodes):
+def put_nodes(dut, nodes, **memory):
     dut.node_base_i.value = BASE
-    ImageMemory(dut, b"".join(struct.pack("<2I", *node) for node in nodes), BASE)
+    data = b"".join(struct.pack("<2I", *node) for node in nodes)
+    return ImageMemory(dut, data, BASE, **memory)
 
 
 @cocotb.test()
 @cocotb.parametrize(nodes=["self", "pair", "beyond"])
 async def a_corrupt_tree_ends_every_ray(dut, nodes):
     """A node that is its own child, a pair that are each other's, a child outside memory."""
-    await start(dut)
+    _, events = await setup(dut)
     empty = (0, 3)
     tree, status = {
         "self": ([inner(0, reorder=1), empty], WATCHDOG),
         "pair": ([inner(3, split=9.0), inner(0, reorder=1, split=9.0), empty, empty], WATCHDOG),
         "beyond": ([inner(1 << 20, reorder=1), empty], MEMORY_ERROR),
     }[nodes]
-    put_nodes(dut, tree)
-    n = numbers()
-    given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
-    inv = n.vec((1, 2, 2))
+    memory = put_nodes(dut, tree)
     count = int(dut.NumSlots.value) + 1
-    beats = [
-        payloads().pack("dispatch_t", ray={"ray_id": i, **given}, inv=inv, tmax=n.of(2.0))
-        for i in range(count)
-    ]
+    beats = [lone_ray(i) for i in range(count)]
 
     hits = await all_hits(dut, beats)
 
     steps = int(dut.WatchdogSteps.value) if status == WATCHDOG else 2
     for hit in hits.values():
         assert (hit["status"], hit["hit"], hit["steps"]) == (status, 0, steps)
-    assert counters(dut)["rays"] == count
+    visits = steps + (status == WATCHDOG)  # the one that is too many is counted
+    check_counts(events, Counter(steps=visits * count, leaves=0, full_leaves=0), count, memory)
 
 
 @cocotb.test()
 @cocotb.parametrize(beyond=[0, 1])
 async def the_watchdog_stops_before_the_node_that_is_too_many(dut, beyond):
     """A leaf is the last node that is allowed, or the first that is not."""
-    await start(dut)
+    _, events = await setup(dut)
     limit = int(dut.WatchdogSteps.value)
-    put_nodes(dut, [inner(7, split=9.0)] * (limit - 1 + beyond) + [(0, 3)])
+    memory = put_nodes(dut, [inner(7, split=9.0)] * (limit - 1 + beyond) + [(0, 3)])
 
     [hit] = (await all_hits(dut, [lone_ray()])).values()
 
     assert (hit["status"], hit["steps"]) == (WATCHDOG if beyond else OK, limit)
-    assert counters(dut)["leaves"] == 1 - beyond
-    assert counters(dut)["steps"] == limit + beyond
+    check_counts(events, Counter(steps=limit + beyond, leaves=1 - beyond), 1, memory)
 
 
 @cocotb.test()
 async def a_step_takes_its_latency_and_the_two_cycles_of_the_ra(dut):
     """One ray, all nodes in the L1."""
-    await start(dut)
+    await setup(dut)
     put_nodes(dut, [inner(7, split=9.0)] * 6 + [(0, 3)])
     beat = lone_ray()
     await all_hits(dut, [beat])
@@ -258,16 +280,15 @@ async def a_step_takes_its_latency_and_the_two_cycles_of_the_ra(dut):
             answers.append(cycle())
         await RisingEdge(dut.clk_i)
 
-    ra_hit = 2
     between = {later - sooner for sooner, later in pairwise(answers)}
-    assert between == {int(dut.StepLatency.value) + ra_hit} and len(answers) == 7
+    assert between == {int(dut.StepLatency.value) + RA_HIT} and len(answers) == 7
 
 
 @cocotb.test(skip=parameter("NumSlots") < SLOTS_TO_FILL)
 @cocotb.parametrize(misses=[True, False])
 async def takes_one_step_every_cycle(dut, misses):
     """With all nodes in the L1 and a ray always waiting, over 1000 cycles."""
-    rng = await start(dut)
+    rng, events = await setup(dut)
     scene = Scene(soup(rng, 200, 0.05))
     put_scene(dut, scene)
     assert 8 * len(scene.nodes) <= int(dut.CacheBytes.value), "the tree does not fit in the L1"
@@ -280,13 +301,96 @@ async def takes_one_step_every_cycle(dut, misses):
     dut.hit_ready_i.value = 1
     cocotb.start_soon(Source(dut, "dispatch").send(rng.choice(beats) for _ in range(10_000)))
     await ClockCycles(dut.clk_i, 300)
-    before, since = counters(dut), cycle()
+    before, since = events.counts(), cycle()
     await ClockCycles(dut.clk_i, 1000)
-    after, until = counters(dut), cycle()
+    done, until = events.since(before), cycle()
 
-    assert after["cache"]["misses"] == before["cache"]["misses"]
-    assert after["rays"] > before["rays"]
-    assert after["steps"] - before["steps"] == until - since == 1000
+    assert done["l1_misses"] == 0 and done["rays"] > 0
+    assert done["steps"] == done["works"] == until - since == 1000
+
+
+@cocotb.test()
+async def takes_a_ray_in_every_cycle_while_slots_are_free(dut):
+    """As many in a row as there are slots, whether they are new or come back."""
+    await setup(dut)
+    slots = int(dut.NumSlots.value)
+    put_nodes(dut, [(0, 3)])
+    source, sink = Source(dut, "dispatch"), Sink(dut, "hit")
+
+    for _ in range(3):
+        since = cycle()
+        await source.send(lone_ray(i) for i in range(slots))
+        assert cycle() - since == slots
+        await ClockCycles(dut.clk_i, 20)
+        hits = [payloads().unpack("hit_t", bits) for bits in await sink.receive(slots)]
+        assert {hit["ray_id"] for hit in hits} == set(range(slots))
+
+
+@cocotb.test()
+async def a_flush_makes_it_ask_for_its_lines_again(dut):
+    await setup(dut)
+    memory = put_nodes(dut, [inner(7, split=9.0)] * 12 + [(0, 3)])
+
+    async def lines_asked_for():
+        before = len(memory.asked)
+        await all_hits(dut, [lone_ray()])
+        return memory.asked[before:]
+
+    first = await lines_asked_for()
+    assert first and await lines_asked_for() == []
+    dut.flush_i.value = 1
+    await RisingEdge(dut.clk_i)
+    dut.flush_i.value = 0
+    assert await lines_asked_for() == first
+
+
+@cocotb.test()
+async def tells_what_it_does_in_each_cycle(dut):
+    """Nothing to do, a line held back, a ray alone, takers that wait, a ray with its tests."""
+    _, events = await setup(dut)
+    held = [False]
+    memory = put_nodes(
+        dut, [inner(7, split=9.0), (0, 4 << 3 | 3)], latency=lambda: None if held[0] else 5
+    )
+    source, leaf, hit = Source(dut, "dispatch"), Sink(dut, "leaf"), Sink(dut, "hit")
+    results = Source(dut, "return")
+
+    async def during(cycles):
+        before = events.counts()
+        await ClockCycles(dut.clk_i, cycles)
+        return events.activities(before)
+
+    assert await during(20) == {"empty": 20}
+
+    held[0] = True
+    await source.send([lone_ray()])
+    await ClockCycles(dut.clk_i, 10)
+    assert await during(30) == {"memory": 30}
+    memory.release(memory.held()[0])
+    await ClockCycles(dut.clk_i, 60)
+
+    for _ in range(2):  # the second time the line is in the L1
+        assert await during(30) == {"room": 30}  # its leaf is not taken
+        [bits] = await leaf.receive(1)
+        assert await during(30) == {"results": 30}
+        home = payloads().unpack("leaf_t", bits)["home"]
+        await results.send([payloads().pack("return_t", home=home, count=4)])
+        await ClockCycles(dut.clk_i, 10)
+        assert await during(30) == {"room": 30}  # its hit is not taken
+        await hit.receive(1)
+        assert await during(30) == {"empty": 30}
+        before = events.counts()
+        await source.send([lone_ray()])
+        await ClockCycles(dut.clk_i, 60)
+        moves = events.activities(before)
+        first = 2 + RA_HIT  # queue and arbiter
+        between = int(dut.StepLatency.value) + RA_HIT - 1
+        assert [moves[k] for k in ("empty", "works", "latency", "results")] == [
+            1,
+            2,
+            first + between + int(dut.ArithmeticLatency.value),
+            1,  # the leaf on its way out
+        ]
 
 
 BUILDS = {

@@ -2,6 +2,7 @@
 """`ti_trv_return` keeps the best hit of each slot and ends each ray once, when it must."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import cocotb
 import pytest
@@ -21,7 +22,7 @@ class Leaf:
     """Tokens are dicts of return_t without the home; their counts add up to that of the leaf."""
 
     tokens: list
-    exit: int
+    bound: int
     go: int = 1
     next: int = 1
     restart: int = 0
@@ -30,10 +31,10 @@ class Leaf:
 
 @dataclass
 class Story:
-    """A ray: its leaves, then perhaps `over` = (status, steps)."""
+    """A ray: its leaves, then perhaps `done` = (status, steps)."""
 
     leaves: list
-    over: tuple = (OK, 9)
+    done: tuple = (OK, 9)
     tmin: int = 0
     tmax: int = field(default_factory=lambda: numbers().inf)
     any_hit: int = 0
@@ -55,7 +56,7 @@ class Expected:
     def __init__(self, story):
         self.resumes = []  # (node, restart)
         self._best = (story.tmax, 0, 0, NO_PRIM)
-        steps, status = story.over[1], story.over[0]
+        steps, status = story.done[1], story.done[0]
         for leaf in story.leaves:
             error = any(token.get("error") for token in leaf.tokens)
             for token in leaf.tokens:
@@ -76,7 +77,7 @@ class Expected:
 
     def _ends(self, story, leaf):
         found = self._best[3] != NO_PRIM
-        return numbers().model("fp_le", self._best[0], leaf.exit) or (story.any_hit and found)
+        return numbers().model("fp_le", self._best[0], leaf.bound) or (story.any_hit and found)
 
     def _report(self, story, status, steps):
         base = {"ray_id": story.ray_id, "status": status, "steps": steps}
@@ -92,12 +93,12 @@ class Home:
 
     def __init__(self, dut, rng, p_ready=1.0, p_gap=0.0):
         self._dut, self._rng, self._p_ready, self._p_gap = dut, rng, p_ready, p_gap
-        self._tokens, self._overs = [], []
+        self._tokens, self._done = [], []
         self._port = Lock()
         self._ends = [Queue() for _ in range(int(dut.NumSlots.value))]  # is the slot free?
         self.resumes = {}  # slot: [(node, restart)]
         self.hits = []
-        for part in (self._give_tokens(), self._give_overs(), self._take_hits(), self._watch()):
+        for part in (self._give_tokens(), self._give_done(), self._take_hits(), self._watch()):
             cocotb.start_soon(part)
 
     async def play(self, slot, story):
@@ -105,23 +106,17 @@ class Home:
         dut = self._dut
         self.resumes[slot] = []
         async with self._port:
-            while True:
-                await ReadOnly()
-                ready = dut.start_ready_o.value == 1
-                await RisingEdge(dut.clk_i)
-                if ready:
-                    break
-            given = {k: getattr(story, k) for k in ("ray_id", "any_hit", "tmin", "tmax")}
             dut.start_slot_i.value, dut.start_i.value = slot, 1
-            dut.start_ray_i.value = payloads().pack("ray_t", given)
+            for k in ("ray_id", "any_hit", "tmin", "tmax"):
+                getattr(dut, f"start_{k}_i").value = getattr(story, k)
             await RisingEdge(dut.clk_i)
             dut.start_i.value = 0
         for leaf in story.leaves:
             await self._park(slot, leaf)
             if await self._ends[slot].get():
                 return
-        self._overs.append((slot, story.over))
-        assert await self._ends[slot].get(), "resumed a slot that was over"
+        self._done.append((slot, story.done))
+        assert await self._ends[slot].get(), "resumed a slot that was done"
 
     async def _park(self, slot, leaf):
         dut = self._dut
@@ -129,7 +124,7 @@ class Home:
             dut.park_slot_i.value = slot
             dut.park_count_i.value = sum(token["count"] for token in leaf.tokens)
             dut.park_go_i.value, dut.park_next_i.value = leaf.go, leaf.next
-            dut.park_restart_i.value, dut.park_exit_i.value = leaf.restart, leaf.exit
+            dut.park_restart_i.value, dut.park_bound_i.value = leaf.restart, leaf.bound
             dut.park_steps_i.value, dut.park_i.value = leaf.steps, 1
             await RisingEdge(dut.clk_i)
             dut.park_i.value = 0
@@ -145,21 +140,21 @@ class Home:
             else:
                 await RisingEdge(self._dut.clk_i)
 
-    async def _give_overs(self):
+    async def _give_done(self):
         dut = self._dut
         while True:
-            if not self._overs:
+            if not self._done:
                 await RisingEdge(dut.clk_i)
                 continue
-            slot, (status, steps) = self._overs.pop(0)
-            dut.over_slot_i.value, dut.over_status_i.value = slot, status
-            dut.over_steps_i.value, dut.over_valid_i.value = steps, 1
+            slot, (status, steps) = self._done.pop(0)
+            dut.done_slot_i.value, dut.done_status_i.value = slot, status
+            dut.done_steps_i.value, dut.done_valid_i.value = steps, 1
             taken = False
             while not taken:
                 await ReadOnly()
-                taken = dut.over_ready_o.value == 1
+                taken = dut.done_ready_o.value == 1
                 await RisingEdge(dut.clk_i)
-            dut.over_valid_i.value = 0
+            dut.done_valid_i.value = 0
 
     async def _take_hits(self):
         sink = Sink(self._dut, "hit")
@@ -223,7 +218,7 @@ def random_story(rng):
     leaves = [
         Leaf(
             [token() for _ in range(rng.randint(1, 6))],
-            exit=rng.choice((*times, n.inf)),
+            bound=rng.choice((*times, n.inf)),
             go=int(rng.random() < 0.9),
             next=rng.getrandbits(29),
             restart=rng.getrandbits(1),
@@ -233,7 +228,7 @@ def random_story(rng):
     ]
     return Story(
         leaves,
-        over=(rng.choice((OK, OK, MEMORY_ERROR, WATCHDOG)), rng.getrandbits(16)),
+        done=(rng.choice((OK, OK, MEMORY_ERROR, WATCHDOG)), rng.getrandbits(16)),
         tmin=rng.choice((0, 0, n.one, n.sign | n.one)),
         tmax=rng.choice((n.inf, n.of(2.0), n.one)),
         any_hit=int(rng.random() < 0.3),
@@ -314,11 +309,11 @@ async def parked(dut, count):
     await start(dut)
     n = numbers()
     dut.hit_ready_i.value = 1
-    dut.start_ray_i.value = payloads().pack("ray_t", tmax=n.inf)
+    dut.start_tmax_i.value = n.inf
     dut.start_i.value = 1
     await RisingEdge(dut.clk_i)
     dut.start_i.value = 0
-    dut.park_count_i.value, dut.park_exit_i.value, dut.park_i.value = count, n.inf, 1
+    dut.park_count_i.value, dut.park_bound_i.value, dut.park_i.value = count, n.inf, 1
     await RisingEdge(dut.clk_i)
     dut.park_i.value = 0
     await ClockCycles(dut.clk_i, 2)
@@ -351,7 +346,7 @@ async def waits_for_the_taker_of_hits_and_for_nothing_else(dut):
     await ClockCycles(dut.clk_i, 20)
     await ReadOnly()
     assert dut.hit_valid_o.value == 1 and dut.free_o.value == 0
-    assert dut.return_ready_o.value == dut.over_ready_o.value == 0
+    assert dut.return_ready_o.value == dut.done_ready_o.value == 0
     await RisingEdge(dut.clk_i)
 
     [beat] = await Sink(dut, "hit").receive(1)
@@ -377,6 +372,51 @@ async def offers_the_best_t_to_the_step_pipeline(dut):
         await source.send([payloads().pack("return_t", hit(n.of(t), 1))])
         await ClockCycles(dut.clk_i, 5)
         assert await best() == n.of(want)
+
+
+@cocotb.test()
+@cocotb.parametrize(what=["miss", "hit"])
+async def neither_tokens_nor_done_slots_wait_for_more_than_one_of_the_other(dut, what):
+    """Both always there, the tokens with a better hit each or none: they are taken in turn."""
+    source = await parked(dut, 1000)
+    n = numbers()
+    times = (n.inf - 1 - i for i in range(200))
+    tokens = [
+        payloads().pack("return_t", {**(hit(t, 5) if what == "hit" else miss())}) for t in times
+    ]
+    cocotb.start_soon(source.send(tokens))
+    dut.done_slot_i.value, dut.done_valid_i.value = 1, 1
+    order = []
+    for _ in range(300):
+        await ReadOnly()
+        taken = [
+            dut.return_valid_i.value == dut.return_ready_o.value == 1,
+            dut.done_ready_o.value == 1,
+        ]
+        assert sum(taken) < 2
+        if any(taken):
+            order.append(taken[0])
+        await RisingEdge(dut.clk_i)
+
+    assert len(order) > 50
+    assert all(a != b for a, b in pairwise(order)), "two of a kind while the other waited"
+
+
+@cocotb.test()
+async def a_done_slot_or_a_token_alone_does_not_wait(dut):
+    """Whichever kind was served last, and a token in every cycle where no slot is done."""
+    source = await parked(dut, 1000)
+    for _ in range(3):
+        since = cycle()
+        await source.send([payloads().pack("return_t", miss())] * 20)
+        assert cycle() - since == 20
+    for slot in (1, 1, 0):
+        dut.done_slot_i.value, dut.done_valid_i.value = slot, 1
+        await ReadOnly()
+        assert dut.done_ready_o.value == 1
+        await RisingEdge(dut.clk_i)
+        dut.done_valid_i.value = 0
+        await ClockCycles(dut.clk_i, 2)
 
 
 @pytest.mark.parametrize("slots", [2, 8])

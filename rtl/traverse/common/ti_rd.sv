@@ -13,8 +13,9 @@ module ti_rd #(
   parameter int unsigned DealTile = 16,
   localparam int unsigned AcceptLatency = 1,
   localparam int unsigned AxisCycles = 3,
-  localparam int unsigned ClipLatency =
-      ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits) + ti_fp_pkg::MulLatency + 2,
+  localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
+      ti_num_pkg::FracBits
+  ) + ti_fp_pkg::MulLatency + 2,
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned Latency = AcceptLatency + AxisCycles - 1 + ClipLatency + QueueLatency
 ) (
@@ -28,8 +29,8 @@ module ti_rd #(
   input  ti_pkg::ray_t ray_data_i,
 
   // To a home only while it is ready: a home that has room keeps it until it is dealt a ray.
-  output logic              [NumTrv-1:0] dispatch_valid_o,
-  input  logic              [NumTrv-1:0] dispatch_ready_i,
+  output logic                       [NumTrv-1:0] dispatch_valid_o,
+  input  logic                       [NumTrv-1:0] dispatch_ready_i,
   output ti_traverse_pkg::dispatch_t              dispatch_data_o,
 
   output logic         hit_valid_o,  // rays that miss the scene box or are invalid
@@ -52,7 +53,7 @@ module ti_rd #(
   } clipped_t;
 
   // Rays come in, three cycles each.
-  logic take, hold_valid_q, last_axis, leave;
+  logic take, hold_valid_q, last_axis, egress;
   logic [1:0] axis_q;
   ti_pkg::ray_t hold_q, ray;
   logic [CountWidth-1:0] credits_q;
@@ -70,7 +71,7 @@ module ti_rd #(
       if (take) hold_valid_q <= 1'b1;
       else if (last_axis) hold_valid_q <= 1'b0;
       if (hold_valid_q) axis_q <= last_axis ? '0 : axis_q + 1'b1;
-      if (take != leave) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
+      if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
     end
   end
   always_ff @(posedge clk_i) if (take) hold_q <= ray_data_i;
@@ -104,7 +105,7 @@ module ti_rd #(
     .push_i     (take),
     .push_data_i(ray_data_i),
     .out_valid_o(ray_waits),
-    .out_ready_i(leave),
+    .out_ready_i(egress),
     .out_data_o (ray)
   );
 
@@ -117,7 +118,7 @@ module ti_rd #(
     .push_i     (clip_valid),
     .push_data_i(clip),
     .out_valid_o(clipped_valid),
-    .out_ready_i(leave),
+    .out_ready_i(egress),
     .out_data_o (clipped)
   );
 
@@ -127,10 +128,10 @@ module ti_rd #(
   logic [TileWidth-1:0] dealt_q;
   logic next_any, home_ready, enters, deal, dealt_tile;
 
-  assign home_ready      = dispatch_ready_i[home_q];
-  assign enters          = clipped_valid && !clipped.miss;
-  assign deal            = enters && home_ready;
-  assign dealt_tile      = deal && dealt_q == TileWidth'(DealTile - 1);
+  assign home_ready = dispatch_ready_i[home_q];
+  assign enters = clipped_valid && !clipped.miss;
+  assign deal = enters && home_ready;
+  assign dealt_tile = deal && dealt_q == TileWidth'(DealTile - 1);
   assign dispatch_data_o = '{
           ray_id: ray.ray_id,
           any_hit: ray.any_hit,
@@ -176,14 +177,14 @@ module ti_rd #(
     hit_data_o.prim   = ti_pkg::NoPrim;
     hit_data_o.t      = ti_num_pkg::Inf;
   end
-  assign leave = deal || (hit_valid_o && hit_ready_i);
+  assign egress = deal || (hit_valid_o && hit_ready_i);
 
-  assign events_o.rays   = take;
+  assign events_o.rays = take;
   assign events_o.misses = hit_valid_o && hit_ready_i;
   always_comb begin
     events_o.activity = '0;
     if (hold_valid_q) events_o.activity.works = 1'b1;
-    else if (clipped_valid && !leave) events_o.activity.room = 1'b1;
+    else if (clipped_valid && !egress) events_o.activity.room = 1'b1;
     else if (credits_q != CountWidth'(Depth)) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
   end
@@ -191,5 +192,8 @@ module ti_rd #(
   `TI_ASSERT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid |-> ray_waits)
   `TI_ASSERT(OneHomeARay, $onehot0(dispatch_valid_o))
+  `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
+  `TI_ASSERT_KNOWN(DispatchValidKnown, dispatch_valid_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
 
 endmodule : ti_rd

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// Set-up of a ray, one axis a cycle: the inverse direction and the interval inside the scene box.
 ///
 /// Per axis inv = 1/d, t = (plane - o) * inv for the near and the far plane of the box (slabs, Kay and Kajiya
@@ -235,7 +237,7 @@ module ti_rd_clip #(
   logic ordered, invalid;
   assign tmin_size = {1'b0, tmin_q[W-2:0]};
   assign tmax_size = {1'b0, tmax_q[W-2:0]};
-  assign tmin_out  = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
+  assign tmin_out = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
   assign tmax_out  = (tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)) ? ti_num_pkg::Inf :
       tmax_size + fp_t'(Outward);
   ti_fp_cmp #(
@@ -265,5 +267,7 @@ module ti_rd_clip #(
       tmax_o <= tmax_out;
     end
   end
+
+  `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_rd_clip

@@ -18,11 +18,11 @@ module ti_trv_leaves #(
   input ti_pkg::trv_slot_t     start_slot_i,
   input ti_pkg::ray_operands_t start_operands_i,
 
-  input logic                      push_i,
-  input ti_pkg::trv_slot_t         push_slot_i,
-  input ti_pkg::list_index_t       push_first_i,
-  input ti_pkg::tri_count_t        push_count_i,
-  input ti_pkg::fp_t               push_tbest_i,
+  input logic                push_i,
+  input ti_pkg::trv_slot_t   push_slot_i,
+  input ti_pkg::list_index_t push_first_i,
+  input ti_pkg::tri_count_t  push_count_i,
+  input ti_pkg::fp_t         push_tbest_i,
 
   output logic          leaf_valid_o,
   input  logic          leaf_ready_i,
@@ -86,5 +86,6 @@ module ti_trv_leaves #(
 
   `TI_ASSERT(OutHeldUntilTaken, leaf_valid_o && !leaf_ready_i |=> leaf_valid_o && $stable
                                 (leaf_data_o))
+  `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
 
 endmodule : ti_trv_leaves

@@ -4,7 +4,7 @@
 
 /// The way home: the best hit of each slot, the end of leaves, retirement.  1 CMP.
 ///
-/// Takes return tokens and slots that are over, one at a time.  A miss costs 1 cycle, a hit 3, the last test
+/// Takes return tokens and slots that are done, one at a time.  A miss costs 1 cycle, a hit 3, the last test
 /// of a leaf 1 more, a retirement 1 more.  A hit counts when tmin <= t and (t, prim) is less than the
 /// best so far, which starts as (the ray's tmax, no primitive).  When all tests of a leaf are back, the ray
 /// ends if its best t <= the leaf's bound, if it is an any-hit ray with a hit, if memory failed, or if
@@ -34,12 +34,12 @@ module ti_trv_return #(
   input ti_pkg::fp_t         park_bound_i,    // nothing after it is nearer
   input ti_pkg::steps_t      park_steps_i,
 
-  // A slot is over without a leaf.
-  input  logic              over_valid_i,
-  output logic              over_ready_o,
-  input  ti_pkg::trv_slot_t over_slot_i,
-  input  ti_pkg::status_e   over_status_i,
-  input  ti_pkg::steps_t    over_steps_i,
+  // A slot is done without a leaf.
+  input  logic              done_valid_i,
+  output logic              done_ready_o,
+  input  ti_pkg::trv_slot_t done_slot_i,
+  input  ti_pkg::status_e   done_status_i,
+  input  ti_pkg::steps_t    done_steps_i,
 
   input  logic            return_valid_i,
   output logic            return_ready_o,
@@ -105,8 +105,8 @@ module ti_trv_return #(
   slot_t load_slot, slot_q;
   ti_pkg::return_t token_q;
   ti_pkg::status_e status_d, status_q;
-  ti_pkg::steps_t over_steps_q;
-  logic over_q, prefer_over_q;
+  ti_pkg::steps_t done_steps_q;
+  logic done_q, prefer_done_q;
   start_t start;
   park_t  park;
   best_t best, best_ram, new_best_q;
@@ -116,7 +116,7 @@ module ti_trv_return #(
   logic [NumSlots-1:0] has_hit_q, error_q;
   ti_pkg::tri_count_t back_q[NumSlots];
 
-  logic load, load_over, all_back, le, lt, eq, take_hit, finish_token, ends;
+  logic load, load_done, all_back, le, lt, eq, take_hit, finish_token, ends;
   fp_t cmp_a, cmp_b;
 
   ti_ram_1r1w #(
@@ -130,12 +130,7 @@ module ti_trv_return #(
     .write_en_i(start_i),
     .write_addr_i(start_slot_i),
     .write_data_i(
-    '{
-        ray_id: start_ray_id_i,
-        any_hit: start_any_hit_i,
-        tmin: start_tmin_i,
-        tmax: start_tmax_i
-    }
+    '{ray_id: start_ray_id_i, any_hit: start_any_hit_i, tmin: start_tmin_i, tmax: start_tmax_i}
     )
   );
 
@@ -204,25 +199,25 @@ module ti_trv_return #(
   always_ff @(posedge clk_i) begin
     if (tbest_read_i) tbest_is_hit_q <= has_hit_q[tbest_slot_i];
   end
-  assign tbest_o = tbest_is_hit_q ? tbest_hit : tbest_start;
+  assign tbest_o        = tbest_is_hit_q ? tbest_hit : tbest_start;
 
-  // Next in hand: slots that are over and tokens take turns.
+  // Next in hand: round robin between slots that are done and tokens, so neither waits for more than one of the other.
   assign load           = state_d == Idle;
-  assign load_over      = over_valid_i && (prefer_over_q || !return_valid_i);
-  assign load_slot      = load_over ? over_slot_i : return_data_i.home.slot;
-  assign over_ready_o   = load && (prefer_over_q || !return_valid_i);
-  assign return_ready_o = load && !(prefer_over_q && over_valid_i);
+  assign load_done      = done_valid_i && (prefer_done_q || !return_valid_i);
+  assign load_slot      = load_done ? done_slot_i : return_data_i.home.slot;
+  assign done_ready_o   = load && (prefer_done_q || !return_valid_i);
+  assign return_ready_o = load && !(prefer_done_q && done_valid_i);
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       state_q       <= Idle;
-      prefer_over_q <= 1'b0;
+      prefer_done_q <= 1'b0;
     end else begin
       if (!load) state_q <= state_d;
-      else if (load_over) state_q <= Retire;
+      else if (load_done) state_q <= Retire;
       else if (return_valid_i) state_q <= Token;
       else state_q <= Idle;
-      if (load && (over_valid_i || return_valid_i)) prefer_over_q <= !load_over;
+      if (load && (done_valid_i || return_valid_i)) prefer_done_q <= !load_done;
     end
   end
 
@@ -230,9 +225,9 @@ module ti_trv_return #(
     if (load) begin
       slot_q       <= load_slot;
       token_q      <= return_data_i;
-      over_q       <= load_over;
-      over_steps_q <= over_steps_i;
-      status_q     <= over_status_i;
+      done_q       <= load_done;
+      done_steps_q <= done_steps_i;
+      status_q     <= done_status_i;
     end else begin
       status_q <= status_d;
     end
@@ -338,7 +333,7 @@ module ti_trv_return #(
     hit_data_o        = '0;
     hit_data_o.ray_id = start.ray_id;
     hit_data_o.status = status_q;
-    hit_data_o.steps  = over_q ? over_steps_q : park.steps;
+    hit_data_o.steps  = done_q ? done_steps_q : park.steps;
     hit_data_o.hit    = reports_hit;
     if (!reports_hit) begin
       hit_data_o.t    = ti_num_pkg::Inf;
@@ -353,5 +348,8 @@ module ti_trv_return #(
 
   `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(NeverMoreBackThanSent, finish_token |-> back_q[slot_q] + token_q.count <= park.count)
+  `TI_ASSERT_KNOWN(DoneReadyKnown, done_ready_o)
+  `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
 
 endmodule : ti_trv_return

@@ -99,4 +99,6 @@ module ti_trv_visits #(
   assign visit_slot_o = visit.slot;
   assign visit_node_o = visit.node;
 
+  `TI_ASSERT_KNOWN(VisitValidKnown, visit_valid_o)
+
 endmodule : ti_trv_visits

@@ -34,7 +34,7 @@ module ti_kd_decide #(
   output logic go_o,  // visit `next_o`, at once or after the leaf's triangles
   output ti_pkg::node_index_t next_o,
   output logic leaf_o,  // test the triangles of this leaf
-  output logic over_o,  // the ray ends here, with `status_o`
+  output logic done_o,  // the ray is done, with `status_o`
   output ti_pkg::status_e status_o,
   output ti_pkg::fp_t tmin_o,
   output ti_pkg::fp_t tmax_o,
@@ -50,12 +50,12 @@ module ti_kd_decide #(
   localparam int unsigned M = ti_num_pkg::FracBits;
 
   logic is_leaf, below_tmax, up_to_tmin, best_ends, near_is_adjacent, out_of_steps;
-  ti_pkg::node_index_t near, adjacent;
+  ti_pkg::node_index_t near_node, adjacent;
 
   assign is_leaf          = node_i.axis == 2'd3;
   assign adjacent         = index_i + 1'b1;
   assign near_is_adjacent = negative_i ~^ node_i.reorder;
-  assign near             = near_is_adjacent ? adjacent : node_i.link;
+  assign near_node        = near_is_adjacent ? adjacent : node_i.link;
   assign far_o            = near_is_adjacent ? node_i.link : adjacent;
   assign out_of_steps     = steps_i >= ti_pkg::steps_t'(WatchdogSteps);
   assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
@@ -87,9 +87,9 @@ module ti_kd_decide #(
 
   always_comb begin
     go_o      = 1'b0;
-    next_o    = near;
+    next_o    = near_node;
     leaf_o    = 1'b0;
-    over_o    = 1'b0;
+    done_o    = 1'b0;
     status_o  = ti_pkg::Ok;
     tmin_o    = tmin_i;
     tmax_o    = tmax_i;
@@ -100,16 +100,16 @@ module ti_kd_decide #(
     restart_o = 1'b0;
 
     if (out_of_steps) begin
-      over_o   = 1'b1;
+      done_o   = 1'b1;
       status_o = ti_pkg::Watchdog;
     end else if (error_i) begin
-      over_o   = 1'b1;
+      done_o   = 1'b1;
       status_o = ti_pkg::MemoryError;
     end else if (is_leaf) begin
       leaf_o = node_i.link[15:0] != '0;
       tmin_o = tmax_i;
       if (!leaf_o && best_ends) begin
-        over_o = 1'b1;
+        done_o = 1'b1;
       end else if (level_i != '0) begin
         go_o    = 1'b1;
         pop_o   = 1'b1;
@@ -123,7 +123,7 @@ module ti_kd_decide #(
         tmax_o    = ray_tmax_i;
         dropped_o = 1'b0;
       end else begin
-        over_o = !leaf_o;
+        done_o = !leaf_o;
       end
     end else begin
       go_o = 1'b1;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// What a TRV remembers of each slot between steps: interval, step count, node, and the short stack.
 ///
 /// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
@@ -83,22 +85,34 @@ module ti_kd_state #(
     ti_pkg::fp_t         tmax;
   } entry_t;
 
+  // Where an entry of a slot's ring stands in the memory of all slots.
+  function automatic logic [StackAddrWidth-1:0] place_of(input slot_t slot,
+                                                         input pointer_t pointer);
+    return StackAddrWidth'(slot) * StackAddrWidth'(StackDepth) + StackAddrWidth'(pointer);
+  endfunction
+
   // Two cycles before the end the state is read, one before it what the state points to.
-  logic  early_valid;
+  localparam int unsigned EarlyLatency = Lead - 2;
+  logic [EarlyLatency:0] valid_q;
+  logic early_valid;
   slot_t early_slot;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) valid_q <= '0;
+    else valid_q <= {valid_q[EarlyLatency-1:0], step_valid_i};
+  end
+  assign early_valid  = valid_q[EarlyLatency-1];
+  assign late_valid_o = valid_q[EarlyLatency];
+
   ti_delay #(
-    .payload_t(logic [$bits(slot_t):0]),
-    .Cycles   (Lead - 2)
+    .payload_t(slot_t),
+    .Cycles   (EarlyLatency)
   ) u_early (
     .clk_i,
     .rst_ni,
-    .data_i({step_valid_i, step_slot_i}),
-    .data_o({early_valid, early_slot})
+    .data_i(step_slot_i),
+    .data_o(early_slot)
   );
-  always_ff @(posedge clk_i) begin
-    late_valid_o <= early_valid;
-    late_slot_o  <= early_slot;
-  end
+  always_ff @(posedge clk_i) late_slot_o <= early_slot;
 
   state_t state_ram, state_q, state, state_next;
   interval_t interval;
@@ -150,11 +164,11 @@ module ti_kd_state #(
     .word_t(entry_t)
   ) u_stack (
     .clk_i,
-    .read_en_i   (late_valid_o),
-    .read_addr_i (StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) + StackAddrWidth'(late_top)),
-    .read_data_o (top),
-    .write_en_i  (end_valid_i && push_i),
-    .write_addr_i(StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) + StackAddrWidth'(state.pointer)),
+    .read_en_i(late_valid_o),
+    .read_addr_i(place_of(late_slot_o, late_top)),
+    .read_data_o(top),
+    .write_en_i(end_valid_i && push_i),
+    .write_addr_i(place_of(end_slot_i, state.pointer)),
     .write_data_i('{node: far_i, tmax: state.interval.tmax})
   );
 
@@ -200,5 +214,7 @@ module ti_kd_state #(
   if (Lead < 3) begin : gen_check_lead
     $error("ti_kd_state: Lead must be 3 or more");
   end
+
+  `TI_ASSERT_KNOWN(LateValidKnown, late_valid_o)
 
 endmodule : ti_kd_state

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_assert.svh"
+
 /// The arithmetic of a traversal step: t = (split - o[axis]) * inv[axis], on 1 ADD and 1 MUL.
 ///
 /// One node a cycle, `Latency` cycles, no stall.  The node and the sign of the inverse come out beside t.
@@ -13,17 +15,17 @@ module ti_kd_step #(
   input logic clk_i,
   input logic rst_ni,
 
-  input logic                         valid_i,
-  input logic          [TagWidth-1:0] tag_i,
+  input logic                            valid_i,
+  input logic             [TagWidth-1:0] tag_i,
   input ti_kd_pkg::node_t                node_i,
-  input ti_pkg::vec3_t                o_i,
-  input ti_pkg::vec3_t                inv_i,
+  input ti_pkg::vec3_t                   o_i,
+  input ti_pkg::vec3_t                   inv_i,
 
-  output logic                         valid_o,
-  output logic          [TagWidth-1:0] tag_o,
+  output logic                            valid_o,
+  output logic             [TagWidth-1:0] tag_o,
   output ti_kd_pkg::node_t                node_o,
-  output logic                         negative_o,  // sign of the direction on the node's axis
-  output ti_pkg::fp_t                  t_o
+  output logic                            negative_o,  // sign of the direction on the node's axis
+  output ti_pkg::fp_t                     t_o
 );
 
   localparam int unsigned E = ti_num_pkg::ExpBits;
@@ -97,5 +99,7 @@ module ti_kd_step #(
   assign negative_o = along.negative;
   assign node_o     = along.node;
   assign tag_o      = along.tag;
+
+  `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_kd_step

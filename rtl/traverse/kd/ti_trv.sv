@@ -19,21 +19,21 @@ module ti_trv #(
   localparam int unsigned GeometryLatency = 1,  // slot memory
   localparam int unsigned ArithmeticLatency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
   localparam int unsigned QueueLatency = 1,
-  localparam int unsigned TurnLatency = 1,  // arbiter
+  localparam int unsigned ArbiterLatency = 1,
   localparam int unsigned StepLatency =
-      GeometryLatency + ArithmeticLatency + QueueLatency + TurnLatency
+      GeometryLatency + ArithmeticLatency + QueueLatency + ArbiterLatency
 ) (
   input  logic                clk_i,
   input  logic                rst_ni,
-  input  logic                flush_i,  // forget all lines; only while idle
-  output logic                idle_o,   // no ray, nothing on its way
+  input  logic                flush_i,      // forget all lines; only while idle
+  output logic                idle_o,       // no ray, nothing on its way
   // Constants.  The number is a port and not a parameter so that all units are one module.
   input  ti_pkg::trv_index_t  index_i,
   input  ti_mem_pkg::addr_t   node_base_i,
   input  ti_pkg::node_index_t root_i,
 
-  input  logic              dispatch_valid_i,
-  output logic              dispatch_ready_o,
+  input  logic                       dispatch_valid_i,
+  output logic                       dispatch_ready_o,
   input  ti_traverse_pkg::dispatch_t dispatch_data_i,
 
   output logic          leaf_valid_o,
@@ -74,7 +74,7 @@ module ti_trv #(
     slot_t           slot;
     ti_pkg::status_e status;
     ti_pkg::steps_t  steps;
-  } over_t;
+  } done_t;
 
   // ---- Slots: a ray comes in.
   logic start, free;
@@ -134,24 +134,24 @@ module ti_trv #(
     .clk_i,
     .rst_ni,
     .flush_i,
-    .idle_o        (ra_idle),
-    .waits_o       (ra_waits),
-    .req_valid_i   (visit_valid),
-    .req_ready_o   (req_ready),
-    .req_slot_i    (visit_slot),
-    .req_addr_i    (node_base_i + (ti_mem_pkg::addr_t'(visit_node) << 3)),
-    .rsp_valid_o   (rsp_valid),
-    .rsp_ready_i   (1'b1),
-    .rsp_slot_o    (rsp_slot),
-    .rsp_elem_o    (rsp_node),
-    .rsp_error_o   (rsp_error),
+    .idle_o     (ra_idle),
+    .waits_o    (ra_waits),
+    .req_valid_i(visit_valid),
+    .req_ready_o(req_ready),
+    .req_slot_i (visit_slot),
+    .req_addr_i (node_base_i + (ti_mem_pkg::addr_t'(visit_node) << 3)),
+    .rsp_valid_o(rsp_valid),
+    .rsp_ready_i(1'b1),
+    .rsp_slot_o (rsp_slot),
+    .rsp_elem_o (rsp_node),
+    .rsp_error_o(rsp_error),
     .line_req_valid_o,
     .line_req_ready_i,
     .line_req_data_o,
     .line_rsp_valid_i,
     .line_rsp_ready_o,
     .line_rsp_data_i,
-    .events_o      (cache_events)
+    .events_o   (cache_events)
   );
 
   // ---- The step.
@@ -204,9 +204,9 @@ module ti_trv #(
   );
 
   // ---- The decision, with the slot's state.
-  logic late_valid, go, leaf, over, push, pop, restart, dropped, dropped_next;
+  logic late_valid, go, leaf, done, push, pop, restart, dropped, dropped_next;
   slot_t late_slot;
-  node_index_t end_index, far, top_node;
+  node_index_t end_index, far_node, top_node;
   fp_t tmin, tmax, tmin_next, tmax_next, ray_tmax, top_tmax, tbest;
   ti_pkg::steps_t steps, steps_next;
   ti_pkg::status_e status;
@@ -247,7 +247,7 @@ module ti_trv #(
     .level_i     (level_next),
     .dropped_i   (dropped_next),
     .push_i      (push),
-    .far_i       (far),
+    .far_i       (far_node),
     .pop_i       (pop)
   );
 
@@ -274,14 +274,14 @@ module ti_trv #(
     .go_o      (go),
     .next_o    (next_node),
     .leaf_o    (leaf),
-    .over_o    (over),
+    .done_o    (done),
     .status_o  (status),
     .tmin_o    (tmin_next),
     .tmax_o    (tmax_next),
     .level_o   (level_next),
     .dropped_o (dropped_next),
     .push_o    (push),
-    .far_o     (far),
+    .far_o     (far_node),
     .pop_o     (pop),
     .restart_o (restart)
   );
@@ -295,34 +295,34 @@ module ti_trv #(
     .clk_i,
     .rst_ni,
     .index_i,
-    .start_i     (start),
-    .start_slot_i(new_slot),
+    .start_i         (start),
+    .start_slot_i    (new_slot),
     .start_operands_i(dispatch_data_i.operands),
-    .push_i      (end_valid && leaf),
-    .push_slot_i (end_slot),
-    .push_first_i(end_node.value),
-    .push_count_i(end_node.link[15:0]),
-    .push_tbest_i(tbest),
+    .push_i          (end_valid && leaf),
+    .push_slot_i     (end_slot),
+    .push_first_i    (end_node.value),
+    .push_count_i    (end_node.link[15:0]),
+    .push_tbest_i    (tbest),
     .leaf_valid_o,
     .leaf_ready_i,
     .leaf_data_o
   );
 
   // ---- The way home.
-  logic over_valid, over_ready;
-  over_t over_slot;
+  logic done_valid, done_ready;
+  done_t done_slot;
 
   ti_queue #(
-    .payload_t(over_t),
+    .payload_t(done_t),
     .Depth    (NumSlots)
-  ) u_over (
+  ) u_done (
     .clk_i,
     .rst_ni,
-    .push_i     (end_valid && over),
+    .push_i     (end_valid && done),
     .push_data_i('{slot: end_slot, status: status, steps: steps_next}),
-    .out_valid_o(over_valid),
-    .out_ready_i(over_ready),
-    .out_data_o (over_slot)
+    .out_valid_o(done_valid),
+    .out_ready_i(done_ready),
+    .out_data_o (done_slot)
   );
 
   ti_trv_return #(
@@ -344,11 +344,11 @@ module ti_trv #(
     .park_next_i     (next_node),
     .park_bound_i    (tmax),
     .park_steps_i    (steps_next),
-    .over_valid_i    (over_valid),
-    .over_ready_o    (over_ready),
-    .over_slot_i     (over_slot.slot),
-    .over_status_i   (over_slot.status),
-    .over_steps_i    (over_slot.steps),
+    .done_valid_i    (done_valid),
+    .done_ready_o    (done_ready),
+    .done_slot_i     (done_slot.slot),
+    .done_status_i   (done_slot.status),
+    .done_steps_i    (done_slot.steps),
     .return_valid_i,
     .return_ready_o,
     .return_data_i,
@@ -376,8 +376,13 @@ module ti_trv #(
       moving_q <= '0;
     end else begin
       inside_q <= inside_q + ($bits(inside_q))'(start) - ($bits(inside_q))'(free);
-      moving_q <= moving_q + ($bits(moving_q))'(start) + ($bits(moving_q))'(resume) -
-          ($bits(moving_q))'(end_valid && !step_push);
+      moving_q <= moving_q + ($bits(
+          moving_q
+      ))'(start) + ($bits(
+          moving_q
+      ))'(resume) - ($bits(
+          moving_q
+      ))'(end_valid && !step_push);
     end
   end
   assign at_home = inside_q != '0;
@@ -394,14 +399,14 @@ module ti_trv #(
     else if (at_home) events_o.activity.results = 1'b1;
     else events_o.activity.empty = 1'b1;
 
-    events_o.steps       = end_valid;
-    events_o.leaves      = end_valid && end_node.axis == 2'd3 && status == ti_pkg::Ok;
-    events_o.full_leaves = end_valid && leaf;
-    events_o.restarts    = step_push && restart;
+    events_o.steps                = end_valid;
+    events_o.leaves               = end_valid && end_node.axis == 2'd3 && status == ti_pkg::Ok;
+    events_o.full_leaves          = end_valid && leaf;
+    events_o.restarts             = step_push && restart;
     // Counted when the ray goes, which a hit in the leaf may keep it from.
     events_o.restarts_after_tests = resume && resume_restart;
-    events_o.rays        = free;
-    events_o.cache       = cache_events;
+    events_o.rays                 = free;
+    events_o.cache                = cache_events;
   end
 
   if (NumSlots != 2 ** $bits(slot_t)) begin : gen_check_num_slots
@@ -411,7 +416,14 @@ module ti_trv #(
     $error("ti_trv: WatchdogSteps must be 1 to 65535");
   end
 
-  `TI_ASSERT(IntervalNotEmpty,
-             end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
+  `TI_ASSERT(
+      IntervalNotEmpty,
+      end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
+  `TI_ASSERT_KNOWN(DispatchReadyKnown, dispatch_ready_o)
+  `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
+  `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
+  `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
+  `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)
+  `TI_ASSERT_KNOWN(LineRspReadyKnown, line_rsp_ready_o)
 
 endmodule : ti_trv

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_trv_step` gives the model's t of every node and ray after `Latency`, one a cycle."""
+"""`ti_kd_step` gives the model's t of every node and ray after `Latency`, one a cycle."""
 
 import cocotb
 import pytest
@@ -169,5 +169,5 @@ async def forgets_what_is_inside_on_reset(dut):
 
 
 @pytest.mark.parametrize("overrides", FORMATS)
-def test_ti_trv_step(overrides):
-    run("ti_trv_step", "test_ti_trv_step", config=f"tiny {overrides}", TagWidth=TAG_WIDTH)
+def test_ti_kd_step(overrides):
+    run("ti_kd_step", "test_ti_kd_step", config=f"tiny {overrides}", TagWidth=TAG_WIDTH)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_trv_decide` follows the traversal rules in every combination of what it looks at."""
+"""`ti_kd_decide` follows the traversal rules in every combination of what it looks at."""
 
 from itertools import product
 
@@ -87,13 +87,13 @@ def case(negative, reorder, level, dropped, steps, error, **rest):
 def expected(c):
     """The outputs that mean something, by the rules of docs/architecture.md."""
     if c["steps"] >= WATCHDOG_STEPS:
-        return {"over": 1, "status": WATCHDOG, "go": 0, "leaf": 0, "steps": c["steps"]}
+        return {"done": 1, "status": WATCHDOG, "go": 0, "leaf": 0, "steps": c["steps"]}
     steps = c["steps"] + 1
     if c["error"]:
-        return {"over": 1, "status": MEMORY_ERROR, "go": 0, "leaf": 0, "steps": steps}
+        return {"done": 1, "status": MEMORY_ERROR, "go": 0, "leaf": 0, "steps": steps}
     word = c["node"] >> 32
     decide = leaf_rule if word & 3 == 3 else inner_rule
-    return {"over": 0, "leaf": 0, "go": 0, "steps": steps, **decide(c, word)}
+    return {"done": 0, "leaf": 0, "go": 0, "steps": steps, **decide(c, word)}
 
 
 def inner_rule(c, word):
@@ -119,9 +119,9 @@ def inner_rule(c, word):
 def leaf_rule(c, word):
     n = numbers()
     full = int(word >> 3 != 0)
-    over = {"leaf": full, "over": int(not full), "status": OK, "push": 0}
+    ends = {"leaf": full, "done": int(not full), "status": OK, "push": 0}
     if not full and n.model("fp_le", c["tbest"], c["tmax"]):
-        return {**over, "go": 0}
+        return {**ends, "go": 0}
     on = {"leaf": full, "go": 1, "push": 0, "tmin": c["tmax"]}
     if c["level"]:
         rest = {"next": TOP, "tmax": c["top_tmax"], "level": c["level"] - 1, "pop": 1}
@@ -129,7 +129,7 @@ def leaf_rule(c, word):
     if c["dropped"] and c["tmax"] != c["ray_tmax"]:
         rest = {"next": ROOT, "tmax": c["ray_tmax"], "level": 0, "pop": 0}
         return {**on, **rest, "dropped": 0, "restart": 1}
-    return {**over, "go": 0}
+    return {**ends, "go": 0}
 
 
 async def check(dut, cases):
@@ -141,7 +141,7 @@ async def check(dut, cases):
         want = expected(c)
         got = {name: int(getattr(dut, f"{name}_o").value) for name in want}
         assert got == want, f"{hexed(c)}: want {hexed(want)}, got {hexed(got)}"
-        seen.add(tuple(want.get(k, 0) for k in ("go", "leaf", "over", "push", "pop", "restart")))
+        seen.add(tuple(want.get(k, 0) for k in ("go", "leaf", "done", "push", "pop", "restart")))
     return seen
 
 
@@ -162,5 +162,5 @@ async def a_leaf_goes_on_from_the_stack_or_the_root_or_ends(dut):
 
 
 @pytest.mark.parametrize("depth", [1, 4])
-def test_ti_trv_decide(depth):
-    run("ti_trv_decide", "test_ti_trv_decide", StackDepth=depth, WatchdogSteps=50)
+def test_ti_kd_decide(depth):
+    run("ti_kd_decide", "test_ti_kd_decide", StackDepth=depth, WatchdogSteps=50)
