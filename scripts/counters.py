@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `rtl/count/counters.yaml` becomes: a package, a C++ header and the table of docs/counters.md.
+"""What `rtl/count/counters.yaml` becomes: a package, a C++ header, the table of docs/counters.md.
 
-Event i of a unit is bit i of its struct and counter i of its bank: activities first, then the unit's
-own events, then those of its cache.
+Event i of a unit is bit i of its struct and counter i of its bank: activities first, then the
+unit's own events, then those of its cache.
 
 Usage: scripts/counters.py --check FILE | --write FILE      the table of docs/counters.md
 """

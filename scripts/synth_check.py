@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Read the engine as a synthesis tool does: no latch, no combinational loop, one driver a wire.
 
-Yosys with its slang front end elaborates `ti_engine` and each unit of a configuration, flattened, so
-that loops through several modules are seen.  The longer form also lists the memories (a clocked
+Yosys with its slang front end elaborates `ti_engine` and each unit of a configuration, flattened,
+so that loops through several modules are seen.  The longer form also lists the memories (a clocked
 read port can be block RAM, an asynchronous one is distributed RAM) and maps the operators, or the
 unit named, to Lattice ECP5 for cell counts.
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The instances of a replicated unit share the functions that Verilator makes of it (sim/sim.vlt)."""
+"""The instances of a replicated unit share the functions that Verilator makes of it."""
 
 import re
 import subprocess
@@ -8,8 +8,8 @@ from collections import Counter
 from agents.bench import ROOT
 from configure import configure
 
-# Functions of one class that run each cycle, however many instances and cores there are: what they are today and a
-# little room.  One that an instance does not share would add a function an instance.
+# Functions of one class that run each cycle, however many instances and cores there are: what they
+# are today and a little room.  One that is not shared would add a function an instance.
 MOST = {
     "ti_fp_add": 3,
     "ti_fp_mul": 3,

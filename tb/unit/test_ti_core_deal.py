@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_core_deal` gives every ray to one core, a tile in a row to each, and lets no core wait for another."""
+"""`ti_core_deal` gives every ray to one core, in tiles, and lets no core wait for another."""
 
 import cocotb
 import pytest
