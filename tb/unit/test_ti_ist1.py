@@ -107,10 +107,10 @@ async def answers_each_test_once_as_the_model_does(dut, p_valid, p_ready, latenc
     scene = bench.scene
     todo = list(random_tests(rng, scene, 400))
     kept = [c for c in (candidate(scene, test) for test in todo) if c is not None]
-    over = [token(test) for test in todo if candidate(scene, test) is None]
-    assert min(len(kept), len(over)) > 20
+    tokens = [token(test) for test in todo if candidate(scene, test) is None]
+    assert min(len(kept), len(tokens)) > 20
 
-    await collect(dut, rng, todo, (kept, over), p_valid, p_ready)
+    await collect(dut, rng, todo, (kept, tokens), p_valid, p_ready)
 
     passes = [outcome(scene, test).passes for test in todo]
     bench.check_counts(len(todo), sum(p > 1 for p in passes))
@@ -138,7 +138,7 @@ async def a_memory_error_comes_back_as_one(dut, part):
         return bad((base + size * test["record"]) // line_bytes)
 
     todo = list(random_tests(rng, scene, 300))
-    kept, over, errors, passes = [], [], 0, Counter()
+    kept, tokens, errors, passes = [], [], 0, Counter()
     for test in todo:
         result = outcome(scene, test)
         error_a = failed(test, scene.plane_base, 32)
@@ -148,12 +148,12 @@ async def a_memory_error_comes_back_as_one(dut, part):
         passes["a"] += not error_a
         passes["b"] += result.passes > 1 and not error
         if error or result.passes < 3:
-            over.append(token(test, int(error)))
+            tokens.append(token(test, int(error)))
         else:
             kept.append(candidate(scene, test))
     assert errors > 20
 
-    await collect(dut, rng, todo, (kept, over), 1.0, 0.5)
+    await collect(dut, rng, todo, (kept, tokens), 1.0, 0.5)
     bench.check_counts(passes["a"], passes["b"], errors)
 
 
