@@ -57,7 +57,7 @@ module ti_ra #(
   localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1;
   localparam int unsigned Elems = LineBytes / ElemBytes;
   localparam int unsigned ElemWidth = (Elems > 1) ? $clog2(Elems) : 1;
-  localparam int unsigned Sets = CacheBytes / (Ways * LineBytes);
+  localparam int unsigned Sets = CacheBytes / ((Ways > 0) ? Ways * LineBytes : 1);
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1;
   localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1;
 
