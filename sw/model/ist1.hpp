@@ -44,7 +44,7 @@ template <class F>
 
 }  // namespace detail
 
-/// Pass (a), ray against plane (Shevtsov et al. 2007, local form); nothing when the test is over.
+/// Pass (a), ray against plane (Shevtsov et al. 2007, local form); nothing when the test is done.
 ///
 /// Bit-exact model of `ti_ist1_pipe`, pass (a): det = (nu du + nv dv) + dw, dett = (nu au + nv av)
 /// + aw with a = p - o. The cull by the best t is conservative: it holds only where the rounded t
@@ -74,7 +74,7 @@ template <class F>
   return AfterA<F>{det, dett, au * det, av};
 }
 
-/// Pass (b), inside test; nothing when the test is over.
+/// Pass (b), inside test; nothing when the test is done.
 ///
 /// Bit-exact model of `ti_ist1_pipe`, pass (b).
 template <class F>

@@ -14,7 +14,7 @@ def plane_words(nu, nv, p, axis, prim=0):
 
 
 def expected(case):
-    """What the model makes of a case: (det, dett, x, y), or None when the test is over."""
+    """What the model makes of a case: (det, dett, x, y), or None when the test is done."""
     n, plane = numbers(), case.get("plane", plane_words(0, 0, (0, 0, 0), case["axis"]))
     if "after_a" in case:
         return n.model("pass_b", plane, case["bary"], case["d"], case["after_a"])

@@ -15,7 +15,7 @@ BASE = 0x100000  # address of the image in memory
 class Outcome:
     """What becomes of one ray against one triangle."""
 
-    passes: int  # 1: over after pass (a), 2: after (b), 3: inside, (c) is taken
+    passes: int  # 1: done after pass (a), 2: after (b), 3: inside, (c) is taken
     after_b: tuple | None = None  # det, dett, detu, detv
     hit: tuple | None = None  # t, u, v when t is finite
 

@@ -107,10 +107,10 @@ async def answers_each_test_once_as_the_model_does(dut, p_valid, p_ready, latenc
     scene = bench.scene
     todo = list(random_tests(rng, scene, 400))
     kept = [c for c in (candidate(scene, test) for test in todo) if c is not None]
-    over = [token(test) for test in todo if candidate(scene, test) is None]
-    assert min(len(kept), len(over)) > 20
+    tokens = [token(test) for test in todo if candidate(scene, test) is None]
+    assert min(len(kept), len(tokens)) > 20
 
-    await collect(dut, rng, todo, (kept, over), p_valid, p_ready)
+    await collect(dut, rng, todo, (kept, tokens), p_valid, p_ready)
 
     passes = [outcome(scene, test).passes for test in todo]
     bench.check_counts(len(todo), sum(p > 1 for p in passes))
@@ -138,7 +138,7 @@ async def a_memory_error_comes_back_as_one(dut, part):
         return bad((base + size * test["record"]) // line_bytes)
 
     todo = list(random_tests(rng, scene, 300))
-    kept, over, errors, passes = [], [], 0, Counter()
+    kept, tokens, errors, passes = [], [], 0, Counter()
     for test in todo:
         result = outcome(scene, test)
         error_a = failed(test, scene.plane_base, 32)
@@ -148,12 +148,12 @@ async def a_memory_error_comes_back_as_one(dut, part):
         passes["a"] += not error_a
         passes["b"] += result.passes > 1 and not error
         if error or result.passes < 3:
-            over.append(token(test, int(error)))
+            tokens.append(token(test, int(error)))
         else:
             kept.append(candidate(scene, test))
     assert errors > 20
 
-    await collect(dut, rng, todo, (kept, over), 1.0, 0.5)
+    await collect(dut, rng, todo, (kept, tokens), 1.0, 0.5)
     bench.check_counts(passes["a"], passes["b"], errors)
 
 
@@ -172,7 +172,7 @@ async def a_miss_in_pass_a_fetches_nothing_more(dut):
 @cocotb.test()
 async def a_pass_takes_its_latency_from_the_answer_to_the_result(dut):
     rng, bench = await setup(dut)
-    todo = test_of(rng, bench.scene, 3)
+    todo = one_that_takes(rng, bench.scene, 3)
     dut.candidate_ready_i.value = 1
     cocotb.start_soon(Source(dut, "test").send([payloads().pack("test_t", todo)]))
 
@@ -212,7 +212,7 @@ async def takes_one_pass_every_cycle(dut, passes):
     assert done["a_passes"] + done["b_passes"] == done["works"] == until - since == 500
 
 
-def test_of(rng, scene, passes):
+def one_that_takes(rng, scene, passes):
     """One that takes so many passes."""
     return next(t for t in random_tests(rng, scene, 1000) if outcome(scene, t).passes == passes)
 
@@ -220,7 +220,7 @@ def test_of(rng, scene, passes):
 @cocotb.test()
 async def a_flush_makes_it_ask_for_its_lines_again(dut):
     rng, bench = await setup(dut)
-    todo = test_of(rng, bench.scene, 3)
+    todo = one_that_takes(rng, bench.scene, 3)
 
     async def lines_asked_for():
         before = len(bench.memory.asked)
@@ -252,7 +252,7 @@ async def tells_what_it_does_in_each_cycle(dut):
     assert await during(20) == {"empty": 20}
 
     for passes in (3, 1):
-        beat = payloads().pack("test_t", test_of(rng, bench.scene, passes))
+        beat = payloads().pack("test_t", one_that_takes(rng, bench.scene, passes))
         held[0] = True
         cocotb.start_soon(source.send([beat]))
         for _ in range(min(passes, 2)):  # a part for each of the first two passes

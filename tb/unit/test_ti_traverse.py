@@ -16,7 +16,17 @@ from models.numbers import numbers
 from models.payload import configuration, payloads
 from models.rays import clip, random_ray, ray
 from models.scene import BASE, Scene, soup
-from models.traced import MEMORY_ERROR, OK, hit_of, nodes_of, random_rays, trace, tracer, work_of
+from models.traced import (
+    MEMORY_ERROR,
+    OK,
+    hit_of,
+    leaf_at_end,
+    nodes_of,
+    random_rays,
+    trace,
+    tracer,
+    work_of,
+)
 
 PATIENCE = 30_000  # cycles without a hit after which a ray is lost
 RAYS_INSIDE_RD = 16
@@ -155,17 +165,25 @@ async def a_memory_error_ends_only_the_rays_that_need_the_line(dut):
 
     hits = await bench.all_hits(rays)
 
-    errors = 0
+    errors, total = 0, Counter()
     for i, given in enumerate(rays):
         traced = trace(bench.model, given, i % 3 == 0)
-        places = [bench.scene.node_base + 8 * node for node in nodes_of(traced)]
-        fatal = [bench.memories[0].line_of(place) in lines for place in places]
+        nodes = nodes_of(traced)
+        fatal = [bench.memories[0].line_of(bench.scene.node_base + 8 * n) in lines for n in nodes]
         if any(fatal):
             errors += 1
-            assert hits[i]["status"] == MEMORY_ERROR and hits[i]["hit"] == 0
-            assert hits[i]["steps"] == fatal.index(True) + 1
+            steps = fatal.index(True) + 1
+            assert (hits[i]["status"], hits[i]["hit"], hits[i]["steps"]) == (MEMORY_ERROR, 0, steps)
+            # The node that did not come may be a leaf.
+            total += work_of(traced, nodes[:steps]) - leaf_at_end(traced, steps)
         else:
             assert hits[i] == hit_of(traced, i, i % 3 == 0), given
+            if nodes:
+                total += work_of(traced, nodes)
+    counts, misses = bench.counts(), sum(bench.misses_box(given) for given in rays)
+    assert {k: counts[k] for k in total} == dict(total)
+    assert (bench.rd.counts()["misses"], counts["rays"]) == (misses, len(rays) - misses)
+    assert counts["l1_misses"] == sum(len(memory.asked) for memory in bench.memories)
     assert 5 < errors < len(rays) - 5
 
 
