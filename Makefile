@@ -17,6 +17,7 @@ RAYS ?=
 IMAGE ?=
 SEED ?=
 LOG_RAY ?=
+LIMIT ?=
 TEST ?=
 UNIT ?=
 
@@ -61,6 +62,8 @@ common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--s
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 # Whole-engine tests trace on these.
 test_configs := tiny small
+# Of the package in scripts/extra-packages.txt.
+liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 cases = $(or $(FILE),scenes/hardcases.jsonl)
 
 include sim/sim.mk
@@ -101,6 +104,10 @@ operators: $(config)/config.json ## FP operators and memory bits of CONFIG= besi
 
 synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
 	@python scripts/synth_check.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(OUT),--json $(OUT))
+
+timing: $(config)/config.json ## Longest path, gates and flops of CONFIG= in 0.18 um (UNIT=ti_fp_add LIMIT=6.5 OUT=file.json)
+	@[[ -f $(liberty) ]] || scripts/setup.sh --extra
+	@python scripts/timing.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(LIMIT),--limit $(LIMIT)) $(if $(OUT),--json $(OUT))
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name)
 	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)')
@@ -156,4 +163,4 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE operators synth mutants tree-table render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format
+.PHONY: FORCE operators synth timing mutants tree-table render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format
