@@ -5,9 +5,10 @@
 Yosys with its slang front end maps a unit of a configuration, flattened, to the OSU standard cells;
 the delay is what `stime -p` of abc says after buffering and sizing.  It is that of the gates
 between two registers, an input and a register, a register and an output, or an input and an output:
-without a register's own time (about 0.6 ns in this library), wires, or the clock's skew.  The
-memory of a `ti_ram_1r1w` is cut out: paths end at its ports and begin behind its read register, and
-neither its access time nor its area is in the table.  Other arrays are flops and multiplexers.
+without the registers' own times, wires, or the clock's skew, and a register or an input drives any
+load at once.  The memory of a `ti_ram_1r1w` is cut out: paths end at its ports and begin behind its
+read register, and neither its access time nor its area is in the table.  Other arrays are flops and
+multiplexers.
 
 Exit status: 0 within the limit, 1 when a unit exceeds it, 2 when something cannot be measured.
 
