@@ -109,12 +109,10 @@ synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1)
 	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)') $(if $(filter-out 0,$(QUICK)),--quick)
+
 timing: $(config)/config.json ## Longest path, gates and flops of CONFIG= in 0.18 um (UNIT=ti_fp_add LIMIT=6.5 OUT=file.json)
 	@[[ -f $(liberty) ]] || scripts/setup.sh --extra
 	@python scripts/timing.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(LIMIT),--limit $(LIMIT)) $(if $(OUT),--json $(OUT))
-
-mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name)
-	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)')
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh

@@ -51,7 +51,7 @@ done
 
 # A group of its own, to end with this script; told when it is done, so that the lines do not mix.
 set -m
-nice -n 19 bash -c "$(declare -f stage logged beside); part='$part' out='$out'; beside" \
+nice -n 5 bash -c "$(declare -f stage logged beside); part='$part' out='$out'; beside" \
   >"$out/beside.log" 2>&1 </dev/null &
 others=$!
 set +m

@@ -14,10 +14,15 @@ def _known():
     return json.loads(FILES.read_text()) if FILES.is_file() else {}
 
 
+def _file(item):
+    return item.nodeid.split("::")[0]
+
+
 def pytest_collection_modifyitems(items):
-    """A file that was never timed may be long."""
+    """A file that was never timed may be long; of two such files, the one with more tests."""
     known = _known()
-    items.sort(key=lambda item: -known.get(item.nodeid.split("::")[0], float("inf")))
+    tests = Counter(map(_file, items))
+    items.sort(key=lambda item: (-known.get(_file(item), float("inf")), -tests[_file(item)]))
 
 
 def pytest_runtest_logreport(report):

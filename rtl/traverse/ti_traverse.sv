@@ -52,8 +52,6 @@ module ti_traverse #(
 
   logic [NumTrv-1:0] dispatch_valid, dispatch_ready, trv_idle;
   ti_traverse_pkg::dispatch_t dispatch_data;
-  ti_count_pkg::rd_events_t rd_events;
-  ti_count_pkg::trv_events_t trv_events[NumTrv];
 
   // Hits of the TRVs, then RD's.
   logic [NumTrv:0] hit_valid, hit_ready, hit_lost;
