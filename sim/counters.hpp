@@ -13,7 +13,8 @@
 
 namespace ti::sim {
 
-/// All counters of an engine, read once: those of a kind of unit are summed over its units and cores.
+/// All counters of an engine, read once: those of a kind of unit are summed over its units and
+/// cores.
 class Counters {
  public:
   /// Stops the counters, and reads them through the index ports; `step` runs a cycle.
@@ -50,7 +51,8 @@ class Counters {
     std::vector<UnitAccount> accounts;
     for (std::size_t k = 0; k < sums_.size(); ++k) {
       const config::CountedUnit& kind = config::kCountedUnits[k];
-      UnitAccount account{kind.name, cycles * static_cast<std::uint64_t>(kind.count * config::kCores), {}};
+      UnitAccount account{
+          kind.name, cycles * static_cast<std::uint64_t>(kind.count * config::kCores), {}};
       for (std::size_t e = 0; e < config::kActivities; ++e)
         account.activities.emplace_back(kind.events[e], sums_[k][e]);
       accounts.push_back(account);

@@ -36,8 +36,8 @@ class FixedMemory final : public Memory {
     const double start = static_cast<double>(now_) > free_ ? static_cast<double>(now_) : free_;
     free_ = start + line_bytes() / settings_.bytes_per_cycle;
     const std::uint64_t number = count_line();
-    const bool error = !inside(address) ||
-                       (settings_.error_every != 0 && number % settings_.error_every == 0);
+    const bool error =
+        !inside(address) || (settings_.error_every != 0 && number % settings_.error_every == 0);
     waiting_[static_cast<std::size_t>(port)].push_back(
         {static_cast<std::uint64_t>(start) + static_cast<std::uint64_t>(settings_.latency),
          {id, address, error}});

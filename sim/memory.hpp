@@ -7,11 +7,12 @@
 
 namespace ti::sim {
 
-/// The memory behind the read ports of an engine: it holds an image at `kBase` and answers whole lines.
+/// The memory behind the read ports of an engine: it holds an image at `kBase` and answers whole
+/// lines.
 ///
 /// The harness calls, for each cycle of the engine's clock and each port: `ready`, `request` when a
-/// request is taken, `answer` when the port can take one; and `tick` once. What a memory does with its
-/// own time it does in `cycle`, which runs `clock_ratio` times a tick on average.
+/// request is taken, `answer` when the port can take one; and `tick` once. What a memory does with
+/// its own time it does in `cycle`, which runs `clock_ratio` times a tick on average.
 class Memory {
  public:
   static constexpr std::uint64_t kBase = 0x100000;  ///< a multiple of every line size

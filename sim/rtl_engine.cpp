@@ -202,8 +202,7 @@ class RtlEngine final : public Engine {
     for (int core = 0; core < config::kCores; ++core) {
       if (bit(top.m_axi_arvalid, core) && bit(top.m_axi_arready, core))
         memory.request(core, top.m_axi_arid[core], top.m_axi_araddr[core]);
-      if (bit(top.m_axi_rvalid, core) && bit(top.m_axi_rready, core))
-        set_bit(answered, core, true);
+      if (bit(top.m_axi_rvalid, core) && bit(top.m_axi_rready, core)) set_bit(answered, core, true);
     }
     return answered;
   }
@@ -283,9 +282,9 @@ class RtlEngine final : public Engine {
     work.c_tests = counts.sum("ist2", "c_passes");
 
     const auto share = [cycles](std::uint64_t busy, int units) {
-      return cycles == 0
-                 ? 0.0
-                 : static_cast<double>(busy) / (static_cast<double>(cycles) * config::kCores * units);
+      return cycles == 0 ? 0.0
+                         : static_cast<double>(busy) /
+                               (static_cast<double>(cycles) * config::kCores * units);
     };
     RtlCounters counters;
     counters.cycles = cycles;

@@ -13,7 +13,7 @@ module ti_step_log (
   input logic                end_valid_i,
   input ti_pkg::trv_slot_t   end_slot_i,
   input ti_pkg::node_index_t end_index_i,
-  input ti_kd_pkg::node_t       end_node_i,
+  input ti_kd_pkg::node_t    end_node_i,
   input ti_pkg::fp_t         end_t_i,
   input ti_pkg::fp_t         tmax_i,
   input logic                push_i,

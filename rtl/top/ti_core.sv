@@ -8,9 +8,9 @@
 ///
 /// `count_o` is counter `count_event_i` of unit `count_unit_i` (`ti_count_pkg`), 1 cycle after it was asked for.
 module ti_core #(
-  localparam int unsigned NumTrv = ti_config_pkg::NumTrv,
-  localparam int unsigned NumList = ti_config_pkg::NumList,
-  localparam int unsigned NumIst1 = ti_config_pkg::NumIst1,
+  localparam int unsigned NumTrv   = ti_config_pkg::NumTrv,
+  localparam int unsigned NumList  = ti_config_pkg::NumList,
+  localparam int unsigned NumIst1  = ti_config_pkg::NumIst1,
   localparam int unsigned NumPorts = ti_mem_pkg::NumPorts
 ) (
   input  logic           clk_i,
@@ -51,8 +51,8 @@ module ti_core #(
   ti_mem_pkg::line_req_t intersect_req[NumList+NumIst1];
   ti_mem_pkg::line_rsp_t intersect_rsp[NumList+NumIst1];
 
-  ti_count_pkg::rd_events_t   rd_events;
-  ti_count_pkg::trv_events_t  trv_events [NumTrv];
+  ti_count_pkg::rd_events_t rd_events;
+  ti_count_pkg::trv_events_t trv_events[NumTrv];
   ti_count_pkg::list_events_t list_events[NumList];
   ti_count_pkg::ist1_events_t ist1_events[NumIst1];
   ti_count_pkg::ist2_events_t ist2_events;

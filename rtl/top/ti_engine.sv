@@ -19,8 +19,9 @@
 module ti_engine #(
   localparam int unsigned NumCores = ti_config_pkg::Cores,
   localparam int unsigned CoreIndexWidth = (NumCores > 1) ? $clog2(NumCores) : 1,
-  localparam int unsigned AxiIdWidth = (ti_config_pkg::MaxReads > 1) ?
-      $clog2(ti_config_pkg::MaxReads) : 1
+  localparam int unsigned AxiIdWidth = (ti_config_pkg::MaxReads > 1) ? $clog2(
+      ti_config_pkg::MaxReads
+  ) : 1
 ) (
   input  logic           clk_i,
   input  logic           rst_ni,
@@ -37,23 +38,23 @@ module ti_engine #(
   output ti_pkg::hit_t hit_data_o,
 
   // Core c has the element c of each.
-  output logic              [NumCores-1:0] m_axi_arvalid,
-  input  logic              [NumCores-1:0] m_axi_arready,
+  output logic              [  NumCores-1:0] m_axi_arvalid,
+  input  logic              [  NumCores-1:0] m_axi_arready,
   output logic              [AxiIdWidth-1:0] m_axi_arid   [NumCores],
   output ti_mem_pkg::addr_t                  m_axi_araddr [NumCores],
   output logic              [           7:0] m_axi_arlen  [NumCores],
   output logic              [           2:0] m_axi_arsize [NumCores],
   output logic              [           1:0] m_axi_arburst[NumCores],
-  output logic              [NumCores-1:0] m_axi_arlock,
+  output logic              [  NumCores-1:0] m_axi_arlock,
   output logic              [           3:0] m_axi_arcache[NumCores],
   output logic              [           2:0] m_axi_arprot [NumCores],
   output logic              [           3:0] m_axi_arqos  [NumCores],
-  input  logic              [NumCores-1:0] m_axi_rvalid,
-  output logic              [NumCores-1:0] m_axi_rready,
+  input  logic              [  NumCores-1:0] m_axi_rvalid,
+  output logic              [  NumCores-1:0] m_axi_rready,
   input  logic              [AxiIdWidth-1:0] m_axi_rid    [NumCores],
   input  ti_mem_pkg::line_t                  m_axi_rdata  [NumCores],
   input  logic              [           1:0] m_axi_rresp  [NumCores],
-  input  logic              [NumCores-1:0] m_axi_rlast,
+  input  logic              [  NumCores-1:0] m_axi_rlast,
 
   input  logic                                            count_run_i,
   input  logic                       [CoreIndexWidth-1:0] count_core_i,
@@ -113,7 +114,7 @@ module ti_engine #(
   ti_count_pkg::unit_index_t count_unit_q, count_unit_q2;
   ti_count_pkg::event_index_t count_event_q;
   ti_count_pkg::count_t core_count[NumCores];
-  ti_count_pkg::count_t axi_count [NumCores];
+  ti_count_pkg::count_t axi_count[NumCores];
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) count_run_q <= 1'b0;

@@ -22,8 +22,8 @@ struct CacheCounters {
   std::uint64_t accesses = 0, hits = 0, merged = 0, misses = 0;
 };
 
-/// What the units of one kind did: cycles by activity, summed over units and cores. The activities of a
-/// unit add up to the cycles.
+/// What the units of one kind did: cycles by activity, summed over units and cores. The activities
+/// of a unit add up to the cycles.
 struct UnitAccount {
   std::string unit;
   std::uint64_t unit_cycles = 0;  ///< cycles times units
@@ -59,11 +59,11 @@ struct EngineResult {
 
 /// Settings of the simulated machine's surroundings.
 struct RtlOptions {
-  int memory_latency = 100;  ///< cycles from a request to its answer
+  int memory_latency = 100;              ///< cycles from a request to its answer
   double memory_bytes_per_cycle = 64.0;  ///< of all cores together
-  std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port
-  double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
-  std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
+  std::uint64_t stall_seed = 0;          ///< not 0: random stalls on every port
+  double stall_share = 0.3;              ///< share of the cycles with a stall, when there are any
+  std::uint64_t error_every = 0;         ///< not 0: each n-th memory answer is an error
   bool lock_step = true;
   bool progress = true;
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits

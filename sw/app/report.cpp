@@ -119,7 +119,8 @@ ordered_json machine_json(const Session& session, const Session::Outcome& outcom
 void print_accounts(const std::vector<UnitAccount>& accounts) {
   if (accounts.empty()) return;
   fmt::print("  % of cycles");
-  for (const auto& [activity, cycles] : accounts.front().activities) fmt::print(" {:>11}", activity);
+  for (const auto& [activity, cycles] : accounts.front().activities)
+    fmt::print(" {:>11}", activity);
   fmt::print("\n");
   for (const UnitAccount& account : accounts) {
     fmt::print("  {:11}", account.unit);
