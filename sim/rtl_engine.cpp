@@ -54,6 +54,9 @@ class RtlEngine final : public Engine {
   [[nodiscard]] EngineResult trace(std::span<const Ray> rays) override {
     VerilatedContext context;
     start_log(context);
+    // With stalls, registers without a reset begin with random values, so that a missing one shows.
+    context.randReset(options_.stall_seed != 0 ? 2 : 0);
+    context.randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
     Vti_engine top(&context);
     std::mt19937_64 random(options_.stall_seed);
     FixedMemory memory(image_.bytes(), {.ports = config::kCores,
