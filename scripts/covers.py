@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Table of the cover properties of the RTL and how often the unit tests of a build reached them.
 
-Every simulation of a unit test leaves a `coverage.dat`.  A cover counts for its module, whatever the
-instance.  The last line names those that no test reached.
+Every simulation of a unit test leaves a `coverage.dat`.  A cover counts for its module, whatever
+the instance.  The last line names those that no test reached.
 
 Usage: scripts/covers.py FOLDER
 """
