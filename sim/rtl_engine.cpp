@@ -145,6 +145,12 @@ class RtlEngine final : public Engine {
   }
 
   static void reset(Vti_engine& top) {
+    top.flush_i = 0;
+    top.ray_valid_i = 0;
+    top.hit_ready_i = 0;
+    top.m_axi_arready = 0;
+    top.m_axi_rvalid = 0;
+    top.count_run_i = 0;
     top.rst_ni = 0;
     for (int i = 0; i < 4; ++i) step(top);
     top.rst_ni = 1;
