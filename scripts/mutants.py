@@ -267,6 +267,8 @@ def main() -> int:
     parser.add_argument("--only", default="", metavar="PART_OF_A_NAME", help="a regular expression")
     parser.add_argument("--quick", action="store_true", help="only the faults marked `quick`")
     arguments = parser.parse_args()
+    # Ends what was started too: `run` of a copy cleans up after any exception.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     try:
         mutants = [mutant for mutant in load() if re.search(arguments.only, mutant.name)]
         if arguments.quick:

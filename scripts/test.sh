@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 part=${1:-}
 out=build/test
 mkdir -p "$out"
-rm -f "$out"/stages.txt "$out"/failed.txt
+rm -f "$out"/stages.txt "$out"/failed.txt "$out"/time.*
 # Variables of the `make` above are not for those below.
 unset MAKEFLAGS MFLAGS MAKELEVEL MAKEOVERRIDES
 
@@ -44,7 +44,7 @@ beside() {
   stage "mutants" make mutants TEST= QUICK=1
 }
 
-stage "build: C++, scene" make sw build/scenes/knot.ply || exit 1
+stage "build: C++, scene" make -s sw build/scenes/knot.ply || exit 1
 for config in tiny small; do # whole-engine tests trace on these
   stage "build: engine $config" make engine CONFIG="$config" SET= || exit 1
 done
