@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Put each fault of `tb/mutants.yaml` into a copy of the project and see which tests find it.
 
-For each fault the unit tests that it names run on the copy, then the engine `tiny` in lock-step
-with the model on three short runs.  The unchanged copy goes first: a test that is red there proves
-nothing and is left out.  The project itself is only read.
+For each fault the unit tests that it names run on the copy, then the engine in lock-step with the
+model: three short runs of `tiny` and one of a shape with several units of each kind.  The unchanged
+copy goes first: a test that is red there proves nothing and is left out.  The project itself is
+only read.
 
 With --quick only the faults marked `quick` are tried, each up to the first check that finds it.
 
@@ -39,11 +40,15 @@ TIMEOUT_S = 900  # of one command; a fault may well never end
 LINKED = ("build/sw", "build/scenes")
 SHARED = ("build/setup.stamp", "build/sw/libti_sw.a")
 
-# Runs of `ti trace` on the engine: scene, further options.
+CORNELL, KNOT = "scenes/cornell.gltf", "build/scenes/knot.ply"
+# Several units of each kind, unlike in number, so that a wire to the wrong one shows.
+SEVERAL = "cores=2 core_tile=4 num_trv=3 num_list=2 num_ist1=3 deal_tile=4"
+# Runs of `ti trace` on the engine: overrides of `tiny`, scene, further options.
 LOCK_STEP = {
-    "lock-step cornell": ("scenes/cornell.gltf", []),
-    "lock-step knot, stalls": ("build/scenes/knot.ply", ["--stall-seed", "1"]),
-    "lock-step cornell, memory errors": ("scenes/cornell.gltf", ["--error-every", "40"]),
+    "lock-step cornell": ("", CORNELL, []),
+    "lock-step knot, stalls": ("", KNOT, ["--stall-seed", "1"]),
+    "lock-step cornell, memory errors": ("", CORNELL, ["--error-every", "40"]),
+    "lock-step cornell, several units": (SEVERAL, CORNELL, []),
 }
 
 
@@ -181,12 +186,13 @@ class Copy:
     def lock_step(self, name: str) -> str:
         """Whether the engine and the model differ in a run."""
         ready = [word for file in SHARED for word in ("-o", file)]
-        status, _ = self.run("make", "engine", "CONFIG=tiny", "SET=", *ready)
+        overrides, scene, options = LOCK_STEP[name]
+        status, _ = self.run("make", "engine", "CONFIG=tiny", f"SET={overrides}", *ready)
         if status != 0:
             raise UselessError("the engine does not build")
-        scene, options = LOCK_STEP[name]
-        command = ["build/tiny/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
-        command += ["--config", "build/tiny/config/config.json", "--scene", scene]
+        build = "-".join(["build/tiny", *overrides.replace("=", "-").split()])
+        command = [f"{build}/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command += ["--config", f"{build}/config/config.json", "--scene", scene]
         command += ["--rays", "random:3000", "--out", "build/trace", *options]
         report = self.folder / "build/trace/report.json"
         report.unlink(missing_ok=True)
