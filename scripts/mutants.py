@@ -225,8 +225,8 @@ def try_out(
 ) -> dict[str, str]:
     """Run checks on a copy, with a fault or without: what each says that is not green.
 
-    LAST is left out where one before it was red.  A check that did not build or run says so in a sentence that begins with `!`.  When `quick`, the
-    first check that is red is the last.
+    A check that did not build or run says so in a sentence that begins with `!`.  When `quick`, the
+    first check that is red is the last.  LAST is left out where a fault has been found.
     """
     begin = time.monotonic()
     folder = WORK / name
@@ -236,7 +236,7 @@ def try_out(
     here = Copy(folder)
     said = {}
     for check in checks:
-        if check == LAST and any(what and not what.startswith("!") for what in said.values()):
+        if mutant and check == LAST and is_found(said):
             continue
         try:
             said[check] = here.check(check)
@@ -248,6 +248,11 @@ def try_out(
     what = "; ".join(said.values()) or "green"
     print(f"{name:26} {what}  ({time.monotonic() - begin:.0f} s)", flush=True)
     return said
+
+
+def is_found(said: dict[str, str]) -> bool:
+    """Whether a check was red, and not merely useless."""
+    return any(what and not what.startswith("!") for what in said.values())
 
 
 def run(mutants: list[Mutant], quick: bool) -> int:
@@ -263,7 +268,7 @@ def run(mutants: list[Mutant], quick: bool) -> int:
         mine = [check for check in (*mutant.tests, *runs) if check not in useless]
         said = try_out(mutant.name, mine, mutant, quick)
         sound = sound and not any(what.startswith("!") for what in said.values())
-        if any(not what.startswith("!") for what in said.values()):
+        if is_found(said):
             shutil.rmtree(WORK / mutant.name)
         else:
             survivors.append(mutant)
