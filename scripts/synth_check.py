@@ -45,7 +45,7 @@ PARAMETERS = {
     "ti_trv": {**cached("trv"), **STEPS},
     "ti_kd_decide": STEPS,
     "ti_trv_return": {"NumSlots": "trv_slots"},
-    "ti_trv_state": {"NumSlots": "trv_slots", "StackDepth": "stack_depth"},
+    "ti_kd_state": {"NumSlots": "trv_slots", "StackDepth": "stack_depth"},
     "ti_ra": cached("ist1"),
     "ti_l1": {"CacheBytes": "ist1_l1_bytes", "Ways": "ist1_l1_ways"},
     "ti_list": cached("list"),

@@ -62,6 +62,10 @@ echo "test: RTL; beside it lint, C++ and mutants"
 stage "RTL" env -u TEST pytest -n "$(nproc)" --dist loadfile --no-loadscope-reorder ${part:+-k "$part"}
 wait "$others"
 cat "$out/beside.log"
+if [[ -z "$part" ]]; then
+  python scripts/covers.py build/unit >"$out/covers.txt"
+  echo "covers: $(tail -n 1 "$out/covers.txt") (all: $out/covers.txt)"
+fi
 
 printf '\n%-24s %8s %8s\n' "stage" "seconds" "CPU s"
 cat "$out/stages.txt"

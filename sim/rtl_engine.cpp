@@ -54,6 +54,9 @@ class RtlEngine final : public Engine {
   [[nodiscard]] EngineResult trace(std::span<const Ray> rays) override {
     VerilatedContext context;
     start_log(context);
+    // With stalls, registers without a reset begin with random values, so that a missing one shows.
+    context.randReset(options_.stall_seed != 0 ? 2 : 0);
+    context.randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
     Vti_engine top(&context);
     std::mt19937_64 random(options_.stall_seed);
     FixedMemory memory(image_.bytes(), {.ports = config::kCores,
@@ -142,6 +145,12 @@ class RtlEngine final : public Engine {
   }
 
   static void reset(Vti_engine& top) {
+    top.flush_i = 0;
+    top.ray_valid_i = 0;
+    top.hit_ready_i = 0;
+    top.m_axi_arready = 0;
+    top.m_axi_rvalid = 0;
+    top.count_run_i = 0;
     top.rst_ni = 0;
     for (int i = 0; i < 4; ++i) step(top);
     top.rst_ni = 1;

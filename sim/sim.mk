@@ -10,7 +10,7 @@ harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp)) $(rt
 
 # Without -fno-dfg and -fno-table the instances of a unit would not share their code (sim.vlt).
 VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 -fno-dfg -fno-table \
-  --x-assign fast --x-initial fast $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
+  --x-assign fast --x-initial unique $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
 HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
   -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
 verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)

@@ -39,11 +39,16 @@ class LinePorts:
     def busy(self):
         return any(self.left) or any(self._offer) or bool(self._asking)
 
-    async def play(self):
-        """Until every request has been answered, and some cycles longer."""
-        idle = 0
+    async def play(self, patience=5000):
+        """Until every request has been answered, and some cycles longer.
+
+        Fails when no answer comes for `patience` cycles.
+        """
+        idle, last = 0, cycle()
         while idle < 20:
             idle = 0 if self.busy() else idle + 1
+            last = max([last, *self.answered_at[-1:]])
+            assert cycle() - last < patience, f"no answer; {len(self._asking)} in flight"
             ready = [bool(self.ready(unit)) for unit in range(self.num)]
             self._drive(ready)
             await ReadOnly()

@@ -61,7 +61,7 @@ def test_memory_is_what_the_configuration_asks_for(tmp_path, config):
 
 
 EXTRA_CMP = """\
-  ti_fp_cmp #(ti_pkg::ExpBits, ti_pkg::FracBits) u_extra (
+  ti_fp_cmp #(.ExpBits(ti_num_pkg::ExpBits), .FracBits(ti_num_pkg::FracBits)) u_extra (
     .a_i('0), .b_i('0), .lt_o(), .eq_o(), .le_o(), .unordered_o()
   );
 """
@@ -70,7 +70,7 @@ EXTRA_CMP = """\
 @pytest.mark.parametrize(
     "module, kind",
     [
-        ("traverse/ti_trv_decide", "TRV"),
+        ("traverse/kd/ti_kd_decide", "TRV"),
         ("intersect/ti_list", "LIST"),
         ("top/ti_core", "between"),
     ],
@@ -83,15 +83,15 @@ def test_operator_above_the_budget_fails(tmp_path, module, kind):
 
 
 def test_operators_under_a_false_generate_do_not_count(tmp_path):
-    end = "endmodule : ti_trv_decide"
+    end = "endmodule : ti_kd_decide"
     never = f"if (StackDepth == 0) begin : gen_never\n{EXTRA_CMP}end\n"
-    rtl = edited(tmp_path, "traverse/ti_trv_decide.sv", end, never + end)
+    rtl = edited(tmp_path, "traverse/kd/ti_kd_decide.sv", end, never + end)
     done, _ = count(tmp_path, "tiny", rtl)
     assert done.returncode == 0, done.stderr
 
 
 def test_unreadable_design_is_named(tmp_path):
-    rtl = edited(tmp_path, "traverse/ti_trv_decide.sv", "endmodule : ti_trv_decide", "assign")
+    rtl = edited(tmp_path, "traverse/kd/ti_kd_decide.sv", "endmodule : ti_kd_decide", "assign")
     done, _ = count(tmp_path, "tiny", rtl)
     assert done.returncode == 2
-    assert "ti_trv_decide.sv" in done.stdout + done.stderr
+    assert "ti_kd_decide.sv" in done.stdout + done.stderr

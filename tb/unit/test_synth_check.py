@@ -31,7 +31,7 @@ def with_line(folder, line):
 
 
 def test_engine_is_clean(tmp_path):
-    done = check(tmp_path, "--quick", "--unit", "ti_core")
+    done = check(tmp_path, "--quick", "--unit", "ti_engine")
     assert done.returncode == 0, done.stdout
 
 
@@ -56,7 +56,7 @@ def test_every_ram_has_a_clocked_read(tmp_path):
     done = check(tmp_path, "--unit", "ti_trv_return", "--json", out)
     assert done.returncode == 0, done.stdout
     rams = {m["name"]: m for m in json.loads(out.read_text())["memories"]}
-    for name in ("u_start", "u_park", "u_best", "u_tbest"):
+    for name in ("u_start", "u_park", "u_best", "u_tbest_hit", "u_tbest_start"):
         assert rams[f"{name}.mem_q"]["clocked_read"], name
 
 
