@@ -22,6 +22,7 @@ from models.scene import BASE, Scene, rays_through, soup
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
 NO_PRIM = (1 << 32) - 1
 WATCHDOG_STEPS = 40  # few, so that some rays reach it
+PATIENCE = 20_000  # cycles without a hit after which a ray is lost
 HARD_CASES = Path(__file__).resolve().parents[2] / "scenes/hardcases.jsonl"
 
 
@@ -94,7 +95,7 @@ class Bench:
         return await self.collect(sink, rays, ready)
 
     async def collect(self, sink, rays, ready=lambda: 1):
-        beats = await sink.receive(len(rays), ready)
+        beats = await sink.receive(len(rays), ready, PATIENCE)
         await sink.expect_none(300)
         hits = [payloads().unpack("hit_t", bits) for bits in beats]
         assert {hit["ray_id"] for hit in hits} == {given["ray_id"] for given in rays}
