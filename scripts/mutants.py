@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Put each fault of `tb/mutants.yaml` into a copy of the project and see which tests find it.
 
-For each fault the unit tests that it names run on the copy, then the engine `tiny` in lock-step
-with the model on three short runs.  The unchanged copy goes first: a test that is red there proves
-nothing and is left out.  The project itself is only read.
+For each fault the unit tests that it names run on the copy, then the engine in lock-step with the
+model: three short runs of `tiny` and one of a shape with several units of each kind.  The unchanged
+copy goes first: a test that is red there proves nothing and is left out.  The project itself is
+only read.
 
-With --quick only the faults marked `quick` are tried, each up to the first check that finds it.
+With --quick only the faults marked `quick` are tried, each up to the first check that finds it, and
+the last run is left out.
 
 Exit status: 0 when every fault is found, 1 when one survives, 2 when something could not be tried:
 the table is wrong, a test is red on the unchanged copy, or a fault does not build.
@@ -39,12 +41,19 @@ TIMEOUT_S = 900  # of one command; a fault may well never end
 LINKED = ("build/sw", "build/scenes")
 SHARED = ("build/setup.stamp", "build/sw/libti_sw.a")
 
-# Runs of `ti trace` on the engine: scene, further options.
+CORNELL, KNOT = "scenes/cornell.gltf", "build/scenes/knot.ply"
+# Several units of each kind, unlike in number, so that a wire to the wrong one shows.
+SEVERAL = "cores=2 core_tile=4 num_trv=3 num_list=2 num_ist1=3 deal_tile=4"
+# Runs of `ti trace` on the engine: overrides of `tiny`, scene, further options.
 LOCK_STEP = {
-    "lock-step cornell": ("scenes/cornell.gltf", []),
-    "lock-step knot, stalls": ("build/scenes/knot.ply", ["--stall-seed", "1"]),
-    "lock-step cornell, memory errors": ("scenes/cornell.gltf", ["--error-every", "40"]),
+    "lock-step cornell": ("", CORNELL, []),
+    "lock-step knot, stalls": ("", KNOT, ["--stall-seed", "1"]),
+    "lock-step cornell, memory errors": ("", CORNELL, ["--error-every", "40"]),
+    "lock-step cornell, several units": (SEVERAL, CORNELL, []),
 }
+# Builds an engine of its own, so it runs only on a copy that all before it took for good, and not
+# when little time is meant to pass.
+LAST = "lock-step cornell, several units"
 
 
 class TableError(Exception):
@@ -181,12 +190,13 @@ class Copy:
     def lock_step(self, name: str) -> str:
         """Whether the engine and the model differ in a run."""
         ready = [word for file in SHARED for word in ("-o", file)]
-        status, _ = self.run("make", "engine", "CONFIG=tiny", "SET=", *ready)
+        overrides, scene, options = LOCK_STEP[name]
+        status, _ = self.run("make", "engine", "CONFIG=tiny", f"SET={overrides}", *ready)
         if status != 0:
             raise UselessError("the engine does not build")
-        scene, options = LOCK_STEP[name]
-        command = ["build/tiny/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
-        command += ["--config", "build/tiny/config/config.json", "--scene", scene]
+        build = "-".join(["build/tiny", *overrides.replace("=", "-").split()])
+        command = [f"{build}/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command += ["--config", f"{build}/config/config.json", "--scene", scene]
         command += ["--rays", "random:3000", "--out", "build/trace", *options]
         report = self.folder / "build/trace/report.json"
         report.unlink(missing_ok=True)
@@ -216,7 +226,7 @@ def try_out(
     """Run checks on a copy, with a fault or without: what each says that is not green.
 
     A check that did not build or run says so in a sentence that begins with `!`.  When `quick`, the
-    first check that is red is the last.
+    first check that is red is the last.  LAST is left out where a fault has been found.
     """
     begin = time.monotonic()
     folder = WORK / name
@@ -226,6 +236,8 @@ def try_out(
     here = Copy(folder)
     said = {}
     for check in checks:
+        if mutant and check == LAST and is_found(said):
+            continue
         try:
             said[check] = here.check(check)
             if quick and said[check]:
@@ -238,19 +250,25 @@ def try_out(
     return said
 
 
+def is_found(said: dict[str, str]) -> bool:
+    """Whether a check was red, and not merely useless."""
+    return any(what and not what.startswith("!") for what in said.values())
+
+
 def run(mutants: list[Mutant], quick: bool) -> int:
     """The exit status of all faults, each tried on its own."""
     take_snapshot()
-    checks = list(dict.fromkeys(test for m in mutants for test in m.tests)) + list(LOCK_STEP)
+    runs = [name for name in LOCK_STEP if not (quick and name == LAST)]
+    checks = list(dict.fromkeys(test for m in mutants for test in m.tests)) + runs
     useless = try_out("unchanged", checks)
     sound = not useless
     shutil.rmtree(WORK / "unchanged")
     survivors = []
     for mutant in mutants:
-        mine = [check for check in (*mutant.tests, *LOCK_STEP) if check not in useless]
+        mine = [check for check in (*mutant.tests, *runs) if check not in useless]
         said = try_out(mutant.name, mine, mutant, quick)
         sound = sound and not any(what.startswith("!") for what in said.values())
-        if any(not what.startswith("!") for what in said.values()):
+        if is_found(said):
             shutil.rmtree(WORK / mutant.name)
         else:
             survivors.append(mutant)

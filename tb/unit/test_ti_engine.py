@@ -22,6 +22,7 @@ from models.scene import BASE, Scene, rays_through, soup
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
 NO_PRIM = (1 << 32) - 1
 WATCHDOG_STEPS = 40  # few, so that some rays reach it
+PATIENCE = 20_000  # cycles without a hit after which a ray is lost
 HARD_CASES = Path(__file__).resolve().parents[2] / "scenes/hardcases.jsonl"
 
 
@@ -94,7 +95,7 @@ class Bench:
         return await self.collect(sink, rays, ready)
 
     async def collect(self, sink, rays, ready=lambda: 1):
-        beats = await sink.receive(len(rays), ready)
+        beats = await sink.receive(len(rays), ready, PATIENCE)
         await sink.expect_none(300)
         hits = [payloads().unpack("hit_t", bits) for bits in beats]
         assert {hit["ray_id"] for hit in hits} == {given["ray_id"] for given in rays}
@@ -114,6 +115,23 @@ class Bench:
     def asked(self):
         return sum(len(memory.addresses) for memory in self.memories)
 
+    async def count(self, core, index, event):
+        """One counter of a unit, whose number is among all units of the core."""
+        dut = self.dut
+        dut.count_core_i.value, dut.count_unit_i.value, dut.count_event_i.value = core, index, event
+        await ClockCycles(dut.clk_i, 3)
+        return int(dut.count_o.value)
+
+    async def each(self, unit, event):
+        """A counter of all units of a kind, core by core."""
+        table, keys = counters.description(), configuration()
+        numbers_of = counters.counts_of(keys)
+        kinds = list(numbers_of)
+        first = sum(numbers_of[kind] for kind in kinds[: kinds.index(unit)])
+        units = product(range(keys["cores"]), range(first, first + numbers_of[unit]))
+        number = list(counters.events(table, unit)).index(event)
+        return [await self.count(core, index, number) for core, index in units]
+
     async def counters(self):
         """{unit: {event: sum over units and cores}}, and the cycles that each unit accounts for."""
         dut, keys = self.dut, configuration()
@@ -123,12 +141,9 @@ class Bench:
             names = list(counters.events(table, unit))
             sums[unit] = dict.fromkeys(names, 0)
             for core, index in product(range(keys["cores"]), range(first, first + number)):
-                dut.count_core_i.value, dut.count_unit_i.value = core, index
                 own = []
                 for event, name in enumerate(names):
-                    dut.count_event_i.value = event
-                    await ClockCycles(dut.clk_i, 3)
-                    own.append(int(dut.count_o.value))
+                    own.append(await self.count(core, index, event))
                     sums[unit][name] += own[-1]
                 accounts.add(sum(own[: len(table["activity"])]))
             first += number
@@ -367,6 +382,41 @@ async def a_flush_waits_for_rays_and_makes_another_scene_at_the_same_place_seen(
 
 
 @cocotb.test()
+async def a_new_scene_waits_for_the_rays_of_the_old_one(dut):
+    """It comes while they are inside, to another place, so that nothing needs a flush."""
+    rng = await start(dut)
+    bench = Bench(dut, rng, latency=lambda: rng.randint(1, 40))
+    bench.put_scene(soup(rng, 60))
+    for _ in range(4):
+        rays = list(bench.rays(30))  # nobody takes hits, so they must all have room inside
+        await Source(dut, "ray").send([payloads().pack("ray_t", given) for given in rays])
+        want = {given["ray_id"]: bench.expected(given)[0] for given in rays}
+        bench.put_scene(soup(rng, 60))
+        assert dut.idle_o.value == 0
+        assert await bench.collect(Sink(dut, "hit"), rays) == want
+
+
+@cocotb.test()
+async def each_unit_counts_for_itself(dut):
+    """The first ray goes to the first TRV of the first core, and from there to the first LIST."""
+    rng = await start(dut)
+    bench = Bench(dut, rng)
+    bench.put_scene(soup(rng, 60))
+    given = next(given for given in bench.rays(1000) if bench.expected(given)[1].full_leaves > 0)
+    traced = bench.expected(given)[1]
+    await bench.trace([given])
+    for unit, event, count in (
+        ("rd", "rays", 1),
+        ("trv", "rays", 1),
+        ("trv", "steps", traced.steps),
+        ("list", "ids", traced.a_tests),
+        ("axi", "lines", bench.asked()),
+    ):
+        counts = await bench.each(unit, event)
+        assert counts == [count, *[0] * (len(counts) - 1)], f"{event} of {unit}"
+
+
+@cocotb.test()
 async def without_a_flush_lines_stay(dut):
     rng = await start(dut)
     bench = Bench(dut, rng)
@@ -426,7 +476,7 @@ async def hard_cases_have_the_bits_of_the_model(dut):
 
 
 # The machine in shapes that differ, and which of the tests above each runs.
-SOME = "every_ray|hit_port|share=0.3|after=333|stay|dropped|flush|corrupt"
+SOME = "every_ray|hit_port|share=0.3|after=333|stay|dropped|flush|corrupt|new_scene|for_itself"
 SHAPES = {
     "tiny": ("", None),
     "cores": (
