@@ -85,12 +85,6 @@ module ti_kd_state #(
     ti_pkg::fp_t         tmax;
   } entry_t;
 
-  // Where an entry of a slot's ring stands in the memory of all slots.
-  function automatic logic [StackAddrWidth-1:0] place_of(input slot_t slot,
-                                                         input pointer_t pointer);
-    return StackAddrWidth'(slot) * StackAddrWidth'(StackDepth) + StackAddrWidth'(pointer);
-  endfunction
-
   // Two cycles before the end the state is read, one before it what the state points to.
   localparam int unsigned EarlyLatency = Lead - 2;
   logic [EarlyLatency:0] valid_q;
@@ -159,16 +153,23 @@ module ti_kd_state #(
     .write_data_i(visit_node_i)
   );
 
+  // Where entries of a slot's ring stand in the memory of all slots.
+  logic [StackAddrWidth-1:0] top_place, push_place;
+  assign top_place = StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) +
+      StackAddrWidth'(late_top);
+  assign push_place = StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) +
+      StackAddrWidth'(state.pointer);
+
   ti_ram_1r1w #(
     .Depth (StackWords),
     .word_t(entry_t)
   ) u_stack (
     .clk_i,
     .read_en_i(late_valid_o),
-    .read_addr_i(place_of(late_slot_o, late_top)),
+    .read_addr_i(top_place),
     .read_data_o(top),
     .write_en_i(end_valid_i && push_i),
-    .write_addr_i(place_of(end_slot_i, state.pointer)),
+    .write_addr_i(push_place),
     .write_data_i('{node: far_i, tmax: state.interval.tmax})
   );
 
