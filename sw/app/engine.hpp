@@ -61,9 +61,9 @@ struct EngineResult {
 struct RtlOptions {
   int memory_latency = 100;              ///< cycles from a request to its answer
   double memory_bytes_per_cycle = 64.0;  ///< of all cores together
-  std::uint64_t stall_seed = 0;          ///< not 0: random stalls on every port, random initial state
-  double stall_share = 0.3;              ///< share of the cycles with a stall, when there are any
-  std::uint64_t error_every = 0;         ///< not 0: each n-th memory answer is an error
+  std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port, random initial state
+  double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
+  std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
   bool lock_step = true;
   bool progress = true;
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
