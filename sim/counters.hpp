@@ -20,7 +20,7 @@ class Counters {
   /// Stops the counters, and reads them through the index ports; `step` runs a cycle.
   template <typename Step>
   Counters(Vti_engine& top, Step step) {
-    constexpr int kReadLatency = 3;  // cycles from an index to its value, as the engine promises
+    constexpr int kReadLatency = 2;  // cycles from an index to its value, as the engine promises
     top.count_run_i = 0;
     for (const config::CountedUnit& kind : config::kCountedUnits) {
       auto& sums = sums_.emplace_back(kind.events.size(), 0);
