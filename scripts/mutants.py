@@ -3,17 +3,17 @@
 """Put each fault of `tb/mutants.yaml` into a copy of the project and see which tests find it.
 
 For each fault the unit tests that it names run on the copy, then the engine in lock-step with the
-model: three short runs of `tiny` and one of a shape with several units of each kind.  The unchanged
+model: three short runs of `tiny` and one of a shape with several units of each kind, up to the
+first check that finds it; with --every-check the others too, but for the last run.  The unchanged
 copy goes first: a test that is red there proves nothing and is left out.  The project itself is
 only read.
 
-With --quick only the faults marked `quick` are tried, each up to the first check that finds it, and
-the last run is left out.
+With --quick only the faults marked `quick` are tried, and the last run is left out.
 
 Exit status: 0 when every fault is found, 1 when one survives, 2 when something could not be tried:
 the table is wrong, a test is red on the unchanged copy, or a fault does not build.
 
-Usage: scripts/mutants.py [--only PART_OF_A_NAME] [--quick]
+Usage: scripts/mutants.py [--only PART_OF_A_NAME] [--quick] [--every-check]
 """
 
 import argparse
@@ -221,12 +221,12 @@ def only_memory_failed(report: Path) -> bool:
 
 
 def try_out(
-    name: str, checks: list[str], mutant: Mutant | None = None, quick: bool = False
+    name: str, checks: list[str], mutant: Mutant | None = None, every_check: bool = True
 ) -> dict[str, str]:
     """Run checks on a copy, with a fault or without: what each says that is not green.
 
-    A check that did not build or run says so in a sentence that begins with `!`.  When `quick`, the
-    first check that is red is the last.  LAST is left out where a fault has been found.
+    A check that did not build or run says so in a sentence that begins with `!`.  Unless `every_check`,
+    the first check that is red is the last.  LAST is left out where a fault has been found.
     """
     begin = time.monotonic()
     folder = WORK / name
@@ -240,7 +240,7 @@ def try_out(
             continue
         try:
             said[check] = here.check(check)
-            if quick and said[check]:
+            if said[check] and not every_check:
                 break
         except UselessError as error:
             said[check] = f"! {error}"
@@ -255,7 +255,7 @@ def is_found(said: dict[str, str]) -> bool:
     return any(what and not what.startswith("!") for what in said.values())
 
 
-def run(mutants: list[Mutant], quick: bool) -> int:
+def run(mutants: list[Mutant], quick: bool, every_check: bool) -> int:
     """The exit status of all faults, each tried on its own."""
     take_snapshot()
     runs = [name for name in LOCK_STEP if not (quick and name == LAST)]
@@ -266,7 +266,7 @@ def run(mutants: list[Mutant], quick: bool) -> int:
     survivors = []
     for mutant in mutants:
         mine = [check for check in (*mutant.tests, *runs) if check not in useless]
-        said = try_out(mutant.name, mine, mutant, quick)
+        said = try_out(mutant.name, mine, mutant, every_check)
         sound = sound and not any(what.startswith("!") for what in said.values())
         if is_found(said):
             shutil.rmtree(WORK / mutant.name)
@@ -284,6 +284,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", metavar="PART_OF_A_NAME", help="a regular expression")
     parser.add_argument("--quick", action="store_true", help="only the faults marked `quick`")
+    parser.add_argument("--every-check", action="store_true", help="go on when a fault is found")
     arguments = parser.parse_args()
     # Ends what was started too: `run` of a copy cleans up after any exception.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
@@ -293,7 +294,7 @@ def main() -> int:
             mutants = [mutant for mutant in mutants if mutant.quick]
         if not mutants:
             raise TableError(f"{arguments.only}: no such fault in {TABLE}")
-        return run(mutants, arguments.quick)
+        return run(mutants, arguments.quick, arguments.every_check)
     except TableError as error:
         print(error, file=sys.stderr)
         return 2

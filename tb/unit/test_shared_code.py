@@ -15,12 +15,11 @@ MOST = {
     "ti_fp_mul": 3,
     "ti_fp_rcp": 3,
     "ti_counters": 3,
-    "ti_ist1_pipe": 8,
-    "ti_ra": 10,
-    "ti_ist1": 10,
+    "ti_ist1": 12,
     "ti_list": 12,
+    "ti_memory": 9,
     "ti_trv": 12,
-    "ti_core": 24,
+    "ti_core": 16,
 }
 
 
