@@ -41,6 +41,6 @@ verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   -I"$root/rtl/common" "$root/lint/verilator.vlt" "$out/config/ti_config_pkg.sv" \
   "$root/rtl/fp/ti_fp_pkg.sv" "$root/rtl/fp/ti_fp_add.sv" "$root/rtl/fp/ti_fp_mul.sv" \
   "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
-  "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/common/format.cpp" \
+  "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/base/format.cpp" \
   -CFLAGS "-std=c++20 -ffp-contract=off -I$root/sw -I$root/sim/fp" \
   -CFLAGS "-DTI_EXP_BITS=$exp_bits -DTI_FRAC_BITS=$frac_bits" -MAKEFLAGS OPT_FAST=-O2

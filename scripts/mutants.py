@@ -225,8 +225,8 @@ def try_out(
 ) -> dict[str, str]:
     """Run checks on a copy, with a fault or without: what each says that is not green.
 
-    A check that did not build or run says so in a sentence that begins with `!`.  Unless `every_check`,
-    the first check that is red is the last.  LAST is left out where a fault has been found.
+    A check that did not build or run says so in a sentence that begins with `!`.  The first check
+    that is red is the last, unless `every_check`.  LAST is left out where a fault has been found.
     """
     begin = time.monotonic()
     folder = WORK / name

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "Vti_engine.h"
-#include "app/engine.hpp"
+#include "engine/engine.hpp"
 #include "ti_config.hpp"
 #include "ti_counters.hpp"
 

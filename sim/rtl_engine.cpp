@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "Vti_engine.h"
-#include "app/engine.hpp"
+#include "base/error.hpp"
 #include "bits.hpp"
-#include "common/error.hpp"
 #include "counters.hpp"
+#include "engine/engine.hpp"
 #include "fixed_memory.hpp"
 #include "io/file.hpp"
 #include "progress.hpp"

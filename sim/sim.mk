@@ -59,7 +59,7 @@ $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count
 
 $(rtl_build)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp $(config)/ti_counters.hpp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
-$(rtl_build)/obj/main.o: sw/app/main.cpp build/setup.stamp
+$(rtl_build)/obj/main.o: sw/cli/main.cpp build/setup.stamp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
 -include $(wildcard $(rtl_build)/obj/*.d)
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "Vti_fp_top.h"
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "model/fp.hpp"
 
 namespace ti::sim {

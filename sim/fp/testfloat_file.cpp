@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 
 namespace ti::sim {
 

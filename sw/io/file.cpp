@@ -9,7 +9,7 @@
 #include <iterator>
 #include <system_error>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 
 namespace ti {
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "io/file.hpp"
 
 namespace ti {

@@ -12,7 +12,7 @@
 #define STB_IMAGE_WRITE_STATIC
 #include <stb/stb_image_write.h>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "io/file.hpp"
 
 namespace ti {

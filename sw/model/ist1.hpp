@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "accel/image.hpp"
 #include "model/vec.hpp"
-#include "tree/image.hpp"
 
 namespace ti::model {
 

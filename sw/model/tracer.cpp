@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "model/fp.hpp"
 #include "model/ist1.hpp"
 #include "model/ist2.hpp"

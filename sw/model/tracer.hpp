@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "accel/image.hpp"
 #include "scene/ray.hpp"
-#include "tree/image.hpp"
 
 namespace ti {
 

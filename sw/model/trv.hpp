@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "accel/image.hpp"
 #include "model/vec.hpp"
-#include "tree/image.hpp"
 
 namespace ti::model {
 

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "import/import.hpp"
 #include "scene/geometry.hpp"
-#include "scene/import.hpp"
 
 namespace ti {
 

@@ -8,7 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "scene/geometry.hpp"
 #include "scene/random.hpp"
 

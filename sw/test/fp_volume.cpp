@@ -15,8 +15,8 @@
 #include <string>
 #include <string_view>
 
-#include "common/error.hpp"
-#include "common/format.hpp"
+#include "base/error.hpp"
+#include "base/format.hpp"
 #include "model/fp.hpp"
 #include "test/fp_pairs.hpp"
 

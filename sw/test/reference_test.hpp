@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/format.hpp"
+#include "base/format.hpp"
 #include "scene/mesh.hpp"
 #include "scene/ray.hpp"
 #include "truth/impl.hpp"

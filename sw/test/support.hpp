@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 
 namespace ti::test {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "common/format.hpp"
+#include "base/format.hpp"
 #include "model/fp.hpp"
 
 using ti::Format;

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <string>
 
-#include "app/hardcase_file.hpp"
-#include "app/hardcases.hpp"
-#include "common/error.hpp"
+#include "base/error.hpp"
+#include "cli/hardcase_file.hpp"
+#include "cli/hardcases.hpp"
 #include "embree_devices.hpp"
 #include "reference_test.hpp"
 #include "truth/truth.hpp"

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "common/error.hpp"
+#include "accel/build.hpp"
+#include "accel/image_checksum.hpp"
+#include "base/error.hpp"
 #include "test/tree_walk.hpp"
-#include "tree/build.hpp"
-#include "tree/image_checksum.hpp"
 
 namespace ti {
 namespace {

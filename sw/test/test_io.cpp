@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "common/config.hpp"
+#include "base/config.hpp"
 #include "io/file.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"

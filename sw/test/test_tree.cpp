@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "common/error.hpp"
+#include "accel/build.hpp"
+#include "accel/format_grid.hpp"
+#include "accel/prepare.hpp"
+#include "base/error.hpp"
 #include "test/tree_walk.hpp"
-#include "tree/build.hpp"
-#include "tree/format_grid.hpp"
-#include "tree/prepare.hpp"
 
 namespace ti {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "embree_devices.hpp"
 #include "portable_random.hpp"
 #include "reference_test.hpp"

@@ -9,10 +9,10 @@
 #include <set>
 #include <vector>
 
+#include "accel/clip.hpp"
+#include "accel/image.hpp"
 #include "portable_random.hpp"
 #include "scene/mesh.hpp"
-#include "tree/clip.hpp"
-#include "tree/image.hpp"
 
 namespace ti {
 

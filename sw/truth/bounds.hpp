@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "common/format.hpp"
+#include "base/format.hpp"
 #include "scene/ray.hpp"
 #include "truth/exact.hpp"
 

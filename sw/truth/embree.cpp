@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/error.hpp"
+#include "base/error.hpp"
 #include "truth/impl.hpp"
 
 namespace ti {

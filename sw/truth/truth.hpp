@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/format.hpp"
+#include "base/format.hpp"
 #include "scene/mesh.hpp"
 #include "scene/ray.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "bind.hpp"
-#include "common/format.hpp"
+#include "base/format.hpp"
 #include "formats.hpp"
 
 namespace ti {

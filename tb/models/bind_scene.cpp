@@ -13,7 +13,7 @@
 
 #include "bind.hpp"
 #include "model/tracer.hpp"
-#include "tree/build.hpp"
+#include "accel/build.hpp"
 
 namespace ti {
 namespace {

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accel/build.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "accel/image_checksum.hpp"
+#include "accel/kdtree.hpp"
+#include "accel/prepare.hpp"
+#include "base/error.hpp"
+
+namespace ti {
+namespace {
+
+constexpr std::size_t kSectionAlign = 128;
+/// The scene box stands off the triangles by this share of the diagonal, and by this many units in
+/// the last place of the largest coordinate. Cells and dilation keep the latter distances too: see
+/// `docs/tree.md`.
+constexpr double kBoxPadding = 2e-6;
+constexpr double kBoxPaddingUlps = 4.0;
+constexpr double kMinCellUlps = 4.0;
+constexpr double kDilationUlps =
+    0x1p-20;  // far above the rounding of `clipped_bounds`, for every format
+
+/// The rules of the tree of one scene; throws `Error` when the padded box leaves the range of the
+/// format.
+KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& options) {
+  KdRules rules{FormatGrid(options.format),
+                {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}},
+                options.step_cost,
+                options.test_cost,
+                options.empty_bonus,
+                0,
+                0.0,
+                0.0};
+  if (triangles.empty()) return rules;
+
+  Box box{triangles[0][0], triangles[0][0]};
+  double largest = 0.0;
+  for (const Corners& corners : triangles) {
+    for (const Point& corner : corners) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lo[axis] = std::min(box.lo[axis], corner[axis]);
+        box.hi[axis] = std::max(box.hi[axis], corner[axis]);
+        largest = std::max(largest, std::abs(corner[axis]));
+      }
+    }
+  }
+  const double diagonal =
+      std::sqrt(std::pow(box.hi[0] - box.lo[0], 2) + std::pow(box.hi[1] - box.lo[1], 2) +
+                std::pow(box.hi[2] - box.lo[2], 2));
+  const double ulp = rules.grid.spacing(largest);
+  const double coarser = std::exp2(23 - options.format.frac_bits);
+  rules.min_cell = std::max(options.min_cell * coarser * diagonal, kMinCellUlps * ulp);
+  rules.dilation = std::max(options.dilation * coarser * diagonal, kDilationUlps * ulp);
+  const double padding =
+      std::max({kBoxPadding * coarser * diagonal, kBoxPaddingUlps * ulp, 2.0 * rules.dilation});
+  rules.box = box.grown(padding);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    rules.box.lo[axis] = rules.grid.at_most(rules.box.lo[axis]);
+    rules.box.hi[axis] = rules.grid.at_least(rules.box.hi[axis]);
+    if (!std::isfinite(rules.box.lo[axis]) || !std::isfinite(rules.box.hi[axis])) {
+      throw Error("mesh: the padded scene box is beyond the largest number of the format (" +
+                  std::to_string(options.format.exp_bits) + ", " +
+                  std::to_string(options.format.frac_bits) +
+                  "): scale the mesh down or choose a format with more exponent bits");
+    }
+  }
+  rules.depth_limit = static_cast<int>(
+      std::lround(options.depth_base +
+                  options.depth_factor * std::log2(static_cast<double>(triangles.size()))));
+  return rules;
+}
+
+/// Writes the nodes, the list and the records in the order of the image.
+class Emitter {
+ public:
+  Emitter(const KdTree& tree, const KdRules& rules, const BuildOptions& options,
+          const PreparedTriangles& prepared, BuildStats& stats)
+      : tree_(tree), rules_(rules), options_(options), prepared_(prepared), stats_(stats) {
+    record_of_.assign(prepared.planes.size(), kUnplaced);
+    nodes.reserve(tree.nodes.size());
+    list.reserve(tree.references.size());
+    place(0, rules.box, 0);
+    stats_.sah_cost /= rules.box.half_area();
+  }
+
+  std::vector<ImageNode> nodes;
+  std::vector<std::uint32_t> list;
+  std::vector<ImagePlane> planes;
+  std::vector<ImageBary> barys;
+
+ private:
+  static constexpr std::uint32_t kUnplaced = 0xFFFFFFFFU;
+
+  void place(std::uint32_t index, const Box& box, int depth);
+  void place_leaf(const KdNode& leaf);
+
+  const KdTree& tree_;
+  const KdRules& rules_;
+  const BuildOptions& options_;
+  const PreparedTriangles& prepared_;
+  BuildStats& stats_;
+  std::vector<std::uint32_t> record_of_;
+};
+
+void Emitter::place_leaf(const KdNode& leaf) {
+  ++stats_.leaves;
+  if (leaf.second == 0) ++stats_.empty_leaves;
+  stats_.largest_leaf = std::max(stats_.largest_leaf, leaf.second);
+  nodes.push_back({static_cast<std::uint32_t>(list.size()), leaf.second << 3U | 3U});
+  for (std::uint32_t i = 0; i < leaf.second; ++i) {
+    const std::uint32_t triangle = tree_.references[leaf.first + i];
+    if (record_of_[triangle] == kUnplaced) {
+      record_of_[triangle] = static_cast<std::uint32_t>(planes.size());
+      planes.push_back(prepared_.planes[triangle]);
+      barys.push_back(prepared_.barys[triangle]);
+    }
+    list.push_back(record_of_[triangle]);
+  }
+}
+
+void Emitter::place(std::uint32_t index, const Box& box, int depth) {
+  const KdNode& node = tree_.nodes[index];
+  stats_.depth = std::max(stats_.depth, depth);
+  stats_.sah_cost += box.half_area() * rules_.step_cost;
+  if (node.is_leaf()) {
+    stats_.sah_cost += box.half_area() * rules_.test_cost * node.second;
+    place_leaf(node);
+    return;
+  }
+  Box below = box;
+  Box above = box;
+  below.hi[node.axis] = above.lo[node.axis] = static_cast<double>(node.split);
+  const bool reorder = options_.layout == Layout::Odfl && above.half_area() > below.half_area();
+  const std::size_t here = nodes.size();
+  nodes.push_back({round_to_bits(options_.format, static_cast<double>(node.split)), node.axis});
+  if (reorder) {
+    place(node.second, above, depth + 1);
+  } else {
+    place(node.first, below, depth + 1);
+  }
+  nodes[here].link |= static_cast<std::uint32_t>(nodes.size()) << 3U | (reorder ? 4U : 0U);
+  if (reorder) {
+    place(node.first, below, depth + 1);
+  } else {
+    place(node.second, above, depth + 1);
+  }
+}
+
+std::size_t round_up(std::size_t bytes) {
+  return (bytes + kSectionAlign - 1) / kSectionAlign * kSectionAlign;
+}
+
+Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& options) {
+  const std::size_t node_offset = sizeof(ImageHeader);
+  const std::size_t list_offset = node_offset + round_up(parts.nodes.size() * sizeof(ImageNode));
+  const std::size_t plane_offset =
+      list_offset + round_up(parts.list.size() * sizeof(std::uint32_t));
+  const std::size_t bary_offset = plane_offset + round_up(parts.planes.size() * sizeof(ImagePlane));
+  const std::size_t size = bary_offset + round_up(parts.barys.size() * sizeof(ImageBary));
+  if (size > std::numeric_limits<std::uint32_t>::max() || parts.nodes.size() >> 29U != 0) {
+    throw Error(
+        "mesh: the memory image would have " + std::to_string(size) + " bytes and " +
+        std::to_string(parts.nodes.size()) +
+        " nodes, the limits are 4 GiB and 2^29: simplify the mesh or lower the depth limit");
+  }
+
+  ImageHeader header;
+  header.size_bytes = static_cast<std::uint32_t>(size);
+  header.exp_bits = static_cast<std::uint8_t>(options.format.exp_bits);
+  header.frac_bits = static_cast<std::uint8_t>(options.format.frac_bits);
+  header.layout = static_cast<std::uint8_t>(options.layout);
+  header.node_offset = static_cast<std::uint32_t>(node_offset);
+  header.node_count = static_cast<std::uint32_t>(parts.nodes.size());
+  header.list_offset = static_cast<std::uint32_t>(list_offset);
+  header.list_count = static_cast<std::uint32_t>(parts.list.size());
+  header.plane_offset = static_cast<std::uint32_t>(plane_offset);
+  header.bary_offset = static_cast<std::uint32_t>(bary_offset);
+  header.triangle_count = static_cast<std::uint32_t>(parts.planes.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    header.box_lo[axis] = round_to_bits(options.format, rules.box.lo[axis]);
+    header.box_hi[axis] = round_to_bits(options.format, rules.box.hi[axis]);
+  }
+
+  std::vector<std::uint8_t> bytes(size);
+  const auto put = [&bytes](std::size_t offset, const void* data, std::size_t count) {
+    if (count > 0) std::memcpy(bytes.data() + offset, data, count);
+  };
+  put(0, &header, sizeof(header));
+  put(node_offset, parts.nodes.data(), parts.nodes.size() * sizeof(ImageNode));
+  put(list_offset, parts.list.data(), parts.list.size() * sizeof(std::uint32_t));
+  put(plane_offset, parts.planes.data(), parts.planes.size() * sizeof(ImagePlane));
+  put(bary_offset, parts.barys.data(), parts.barys.size() * sizeof(ImageBary));
+  header.checksum = image_checksum(bytes);
+  put(0, &header, sizeof(header));
+  return Image(std::move(bytes), "built image");
+}
+
+}  // namespace
+
+Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats) {
+  const auto begin = std::chrono::steady_clock::now();
+  stats = {};
+  const PreparedTriangles prepared = prepare_triangles(mesh, options.format);
+  const KdRules rules = make_rules(prepared.corners, options);
+  const KdTree tree = build_kd_tree(prepared.corners, rules);
+  const Emitter parts(tree, rules, options, prepared, stats);
+
+  stats.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  stats.dropped_nonfinite = prepared.dropped_nonfinite;
+  stats.dropped_zero_area = prepared.dropped_zero_area;
+  stats.nodes = static_cast<std::uint32_t>(parts.nodes.size());
+  stats.references = static_cast<std::uint32_t>(parts.list.size());
+  Image image = assemble(parts, rules, options);
+  stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return image;
+}
+
+std::string dropped_warning(const BuildStats& stats) {
+  if (stats.dropped_nonfinite == 0 && stats.dropped_zero_area == 0) return {};
+  std::string text = "dropped ";
+  if (stats.dropped_nonfinite > 0) {
+    text +=
+        std::to_string(stats.dropped_nonfinite) + " with a vertex or constant that is not finite";
+  }
+  if (stats.dropped_zero_area > 0) {
+    if (stats.dropped_nonfinite > 0) text += " and ";
+    text += std::to_string(stats.dropped_zero_area) + " of zero area";
+  }
+  return text + " out of " + std::to_string(stats.triangles) + " triangles";
+}
+
+}  // namespace ti

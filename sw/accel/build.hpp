@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "accel/image.hpp"
+#include "scene/mesh.hpp"
+
+namespace ti {
+
+enum class Layout : std::uint8_t { Odfl = 0, Dfl = 1 };
+
+/// Costs and limits of the surface area heuristic. Defaults are the measured best of
+/// `docs/decisions.md`.
+struct BuildOptions {
+  Format format;
+  Layout layout = Layout::Odfl;
+  double step_cost = 1.0;
+  double test_cost = 1.5;
+  double empty_bonus =
+      0.2;  ///< share by which the tests after a split that cuts off empty space cost less
+  double depth_base = 16.0;  ///< depth limit = depth_base + depth_factor * log2(n)
+  double depth_factor = 1.3;
+  double min_cell = 5e-6;  ///< thinnest cell, in diagonals of the scene (scaled by 2^(23 - M) for
+                           ///< smaller formats)
+  double dilation =
+      2e-6;  ///< a triangle is in every cell this near to it, in diagonals (scaled likewise)
+};
+
+/// What the build did and what the tree looks like.
+struct BuildStats {
+  std::uint32_t triangles = 0;  ///< in the mesh
+  std::uint32_t dropped_nonfinite =
+      0;  ///< a vertex is NaN or infinite, or a constant does not fit the format
+  std::uint32_t dropped_zero_area = 0;
+  std::uint32_t nodes = 0, leaves = 0, empty_leaves = 0;
+  std::uint32_t references = 0;  ///< list entries
+  std::uint32_t largest_leaf = 0;
+  int depth = 0;
+  double sah_cost = 0.0;  ///< expected cost of a ray through the scene box: nodes visited, leaves
+                          ///< included, and tests
+  double seconds = 0.0;
+};
+
+/// Builds the tree and the image of `mesh`. A mesh without a usable triangle gives an image whose
+/// root is an empty leaf (callers that need a triangle say so themselves). Throws `Error` when the
+/// scene cannot be expressed in the format.
+[[nodiscard]] Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats);
+
+/// One sentence for a warning when triangles were dropped; empty when none were.
+[[nodiscard]] std::string dropped_warning(const BuildStats& stats);
+
+}  // namespace ti

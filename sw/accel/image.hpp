@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/format.hpp"
+
+namespace ti {
+
+/// First 128 bytes of a memory image, little endian; `docs/memory-image.md` has the byte table.
+///
+/// Sections start at multiples of 128 bytes. Offsets and indices count from the first byte of the
+/// image.
+struct ImageHeader {
+  std::array<char, 4> magic{'T', 'I', 'I', 'M'};
+  std::uint32_t version = 1;
+  std::uint32_t checksum = 0;  ///< CRC-32 (zlib) of the whole image with this word 0
+  std::uint32_t size_bytes = 0;
+  std::uint8_t exp_bits = 8;
+  std::uint8_t frac_bits = 23;
+  std::uint8_t layout = 0;  ///< 0 ODFL, 1 DFL
+  std::uint8_t reserved0 = 0;
+  std::uint32_t root = 0;  ///< node number of the root
+  std::uint32_t node_offset = 0;
+  std::uint32_t node_count = 0;
+  std::uint32_t list_offset = 0;
+  std::uint32_t list_count = 0;
+  std::uint32_t plane_offset = 0;         ///< plane parts, 32 bytes each
+  std::uint32_t bary_offset = 0;          ///< barycentric parts, 16 bytes each
+  std::uint32_t triangle_count = 0;       ///< records in the image
+  std::array<std::uint32_t, 3> box_lo{};  ///< scene box, padded outward, bits of the format
+  std::array<std::uint32_t, 3> box_hi{};
+  std::array<std::uint32_t, 13> reserved1{};
+};
+static_assert(sizeof(ImageHeader) == 128);
+
+/// kd-tree node, 8 bytes. Inner: `value` = split (bits of the format), `link` = other child << 3 |
+/// reorder flag << 2 | axis. Leaf: `value` = first entry in the list, `link` = count << 3 | 3. The
+/// adjacent child is the node after its parent.
+struct ImageNode {
+  std::uint32_t value;
+  std::uint32_t link;
+
+  [[nodiscard]] bool is_leaf() const { return (link & 3U) == 3U; }
+  [[nodiscard]] std::uint32_t axis() const { return link & 3U; }
+  [[nodiscard]] bool reorder() const { return ((link >> 2U) & 1U) != 0U; }
+  [[nodiscard]] std::uint32_t other() const { return link >> 3U; }
+  [[nodiscard]] std::uint32_t count() const { return link >> 3U; }
+};
+static_assert(sizeof(ImageNode) == 8);
+
+/// Largest triangle count of one leaf.
+constexpr std::uint32_t kMaxLeafCount = (1U << 16U) - 1U;
+
+/// Plane part of a triangle record, 32 bytes; what pass (a) of the test reads. All values are bits
+/// of the format.
+struct ImagePlane {
+  std::uint32_t nu, nv;      ///< n_u / n_w, n_v / n_w
+  std::uint32_t pu, pv, pw;  ///< first vertex, axes in the order u, v, w
+  std::uint32_t axis;        ///< w = 0, 1, 2: the axis of the largest |n|, the lowest at a tie
+  std::uint32_t prim;        ///< triangle number in the mesh file
+  std::uint32_t reserved;
+};
+static_assert(sizeof(ImagePlane) == 32);
+
+/// Barycentric part, 16 bytes; what pass (b) reads: edge vectors from the first vertex, divided by
+/// n_w.
+struct ImageBary {
+  std::uint32_t e0u, e0v;  ///< to the second vertex
+  std::uint32_t e1u, e1v;  ///< to the third vertex
+};
+static_assert(sizeof(ImageBary) == 16);
+
+/// A memory image: the same bytes for the model, the RTL and a host.
+class Image {
+ public:
+  /// Takes the bytes and checks them: magic, version, sizes, sections, checksum, every index.
+  /// Throws `Error` with a sentence that starts with `origin`.
+  Image(std::vector<std::uint8_t> bytes, const std::string& origin);
+
+  [[nodiscard]] static Image load(const std::filesystem::path& path);
+  void save(const std::filesystem::path& path) const;
+
+  [[nodiscard]] const ImageHeader& header() const;
+  [[nodiscard]] Format format() const;
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const { return bytes_; }
+  [[nodiscard]] std::span<const ImageNode> nodes() const;
+  [[nodiscard]] std::span<const std::uint32_t> list() const;
+  [[nodiscard]] std::span<const ImagePlane> planes() const;
+  [[nodiscard]] std::span<const ImageBary> barys() const;
+
+ private:
+  std::vector<std::uint8_t> bytes_;  // aligned to 8 by the allocator
+};
+
+}  // namespace ti

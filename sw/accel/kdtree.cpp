@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accel/kdtree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <deque>
+#include <future>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "accel/image.hpp"
+#include "base/error.hpp"
+
+namespace ti {
+namespace {
+
+/// Hard end of the depth of a tree whose leaves would hold more than `kMaxLeafCount` triangles.
+constexpr int kDepthEnd = 96;
+/// Cells of at least this many triangles are built by a thread of their own, down to `kForkDepth`.
+constexpr std::size_t kForkSize = 20000;
+constexpr int kForkDepth = 1;
+/// Splits on the way down to a cell that may cost more than a leaf by the estimate, in the hope of
+/// better ones below.
+constexpr int kBadSplits = 1;
+/// No new id.
+constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+/// The part of a triangle in a cell, as the planes that just miss it on each axis:
+/// a plane s has some of it below when s > before, and some of it above when s < after.
+struct Fragment {
+  std::uint32_t triangle;
+  std::array<float, 3> before;
+  std::array<float, 3> after;
+};
+
+/// Where a fragment starts or ends: position, then ends before starts, then the fragment, in one
+/// sortable word.
+using Event = std::uint64_t;
+constexpr Event kStart = Event{1} << 31U;
+constexpr Event kIdMask = kStart - 1;
+
+/// Maps floats to integers of the same order.
+std::uint32_t ordered(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  return (bits >> 31U) != 0 ? ~bits : bits | 0x80000000U;
+}
+
+float from_ordered(std::uint32_t key) {
+  return std::bit_cast<float>((key >> 31U) != 0 ? key & 0x7FFFFFFFU : ~key);
+}
+
+Event start_event(float x, std::size_t id) { return Event{ordered(x)} << 32U | kStart | id; }
+Event end_event(float x, std::size_t id) { return Event{ordered(x)} << 32U | id; }
+
+/// The triangles of a cell.
+struct Cell {
+  Box box;
+  std::vector<Fragment> fragments;
+  std::array<std::vector<Event>, 3> events;  ///< sorted
+
+  void clear() {
+    fragments.clear();
+    for (auto& axis : events) axis.clear();
+  }
+};
+
+struct Split {
+  double cost = std::numeric_limits<double>::infinity();
+  std::size_t axis = 3;
+  float plane = 0.0F;
+};
+
+class Builder {
+ public:
+  Builder(std::span<const Corners> triangles, const KdRules& rules)
+      : triangles_(triangles), rules_(rules) {}
+
+  /// Builds the tree of `cell` into `tree()`; the root of it is the first node added. Returns what
+  /// a ray through the cell costs, all nodes and tests counted: where that is no less than the cost
+  /// of a leaf, a leaf takes its place.
+  double build(Cell& cell, int depth, int bad_splits);
+
+  [[nodiscard]] KdTree& tree() { return tree_; }
+
+ private:
+  [[nodiscard]] Split best_split(const Cell& cell) const;
+  void sweep(const Cell& cell, std::size_t axis, Split& best) const;
+  void make_leaf(const Cell& cell);
+  void divide(const Cell& cell, const Split& split, Cell& below, Cell& above);
+  void add_clipped(const Fragment& fragment, Cell& child) const;
+  void merge_events(Cell& child, std::size_t first_new);
+  void append(KdTree&& part);
+
+  std::span<const Corners> triangles_;
+  const KdRules& rules_;
+  KdTree tree_;
+  std::deque<std::array<Cell, 2>> levels_;  // children of the cell being divided, by depth; reused
+  std::vector<std::array<std::uint32_t, 2>>
+      renamed_;  // new ids of the fragments of a cell in its children
+  std::vector<Event> fresh_;
+};
+
+void Builder::sweep(const Cell& cell, std::size_t axis, Split& best) const {
+  const double lo = cell.box.lo[axis];
+  const double hi = cell.box.hi[axis];
+  const float first = rules_.grid.at_least(lo + rules_.min_cell);
+  const float last = rules_.grid.at_most(hi - rules_.min_cell);
+  if (!(first <= last) || !(first > lo) || !(last < hi)) return;
+
+  const std::size_t total = cell.fragments.size();
+  const std::size_t other = (axis + 1) % 3;
+  const std::size_t another = (axis + 2) % 3;
+  const double width = cell.box.hi[other] - cell.box.lo[other];
+  const double height = cell.box.hi[another] - cell.box.lo[another];
+  const double cap = width * height;
+  const double around = width + height;
+  const double scale = rules_.test_cost / (cap + around * (hi - lo));
+
+  const auto try_plane = [&](float plane, std::size_t below, std::size_t above) {
+    const double x = plane;
+    const double share = (cap + around * (x - lo)) * static_cast<double>(below) +
+                         (cap + around * (hi - x)) * static_cast<double>(above);
+    double tests = scale * share;
+    if (below == 0 || above == 0) tests *= 1.0 - rules_.empty_bonus;
+    const double cost = rules_.step_cost + tests;
+    if (cost < best.cost) best = {cost, axis, plane};
+  };
+
+  const std::vector<Event>& events = cell.events[axis];
+  const std::uint32_t first_key = ordered(first);
+  const std::uint32_t last_key = ordered(last);
+  std::size_t below = 0;
+  std::size_t above = total;
+  std::size_t i = 0;
+  const auto pass_ends = [&](std::uint32_t key) {
+    for (; i < events.size() && events[i] >> 32U == key && (events[i] & kStart) == 0; ++i) --above;
+  };
+  const auto pass_starts = [&](std::uint32_t key) {
+    for (; i < events.size() && events[i] >> 32U == key; ++i) ++below;
+  };
+
+  // Planes nearer to a side of the cell than `min_cell` move to that distance.
+  while (i < events.size() && events[i] >> 32U < first_key) {
+    ((events[i] & kStart) != 0) ? void(++below) : void(--above);
+    ++i;
+  }
+  if (i > 0) {
+    pass_ends(first_key);
+    try_plane(first, below, above);
+    pass_starts(first_key);
+  }
+  while (i < events.size()) {
+    const auto key = static_cast<std::uint32_t>(events[i] >> 32U);
+    if (key > last_key) {
+      try_plane(last, below, above);
+      break;
+    }
+    pass_ends(key);
+    try_plane(from_ordered(key), below, above);
+    pass_starts(key);
+  }
+}
+
+Split Builder::best_split(const Cell& cell) const {
+  Split best;
+  for (std::size_t axis = 0; axis < 3; ++axis) sweep(cell, axis, best);
+  return best;
+}
+
+void Builder::make_leaf(const Cell& cell) {
+  KdNode leaf;
+  leaf.first = static_cast<std::uint32_t>(tree_.references.size());
+  leaf.second = static_cast<std::uint32_t>(cell.fragments.size());
+  for (const Fragment& fragment : cell.fragments) tree_.references.push_back(fragment.triangle);
+  std::sort(tree_.references.begin() + leaf.first, tree_.references.end());
+  tree_.nodes.push_back(leaf);
+}
+
+void Builder::add_clipped(const Fragment& fragment, Cell& child) const {
+  Fragment part = fragment;
+  Box bounds;
+  if (clipped_bounds(triangles_[fragment.triangle], child.box.grown(rules_.dilation), bounds)) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      part.before[axis] =
+          std::max(part.before[axis], rules_.grid.below(bounds.lo[axis] - rules_.dilation));
+      part.after[axis] =
+          std::min(part.after[axis], rules_.grid.above(bounds.hi[axis] + rules_.dilation));
+    }
+  }
+  child.fragments.push_back(part);
+}
+
+/// Adds the events of the fragments from `first_new` on to the sorted ones of the others.
+void Builder::merge_events(Cell& child, std::size_t first_new) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    fresh_.clear();
+    for (std::size_t id = first_new; id < child.fragments.size(); ++id) {
+      fresh_.push_back(start_event(child.fragments[id].before[axis], id));
+      fresh_.push_back(end_event(child.fragments[id].after[axis], id));
+    }
+    std::sort(fresh_.begin(), fresh_.end());
+    std::vector<Event>& events = child.events[axis];
+    std::size_t old_left = events.size();
+    std::size_t new_left = fresh_.size();
+    events.resize(old_left + new_left);
+    // From the back, by position and kind: fragment numbers do not matter to the sweep.
+    while (new_left > 0) {
+      const bool take_old =
+          old_left > 0 && events[old_left - 1] >> 31U > fresh_[new_left - 1] >> 31U;
+      events[old_left + new_left - 1] = take_old ? events[old_left - 1] : fresh_[new_left - 1];
+      --(take_old ? old_left : new_left);
+    }
+  }
+}
+
+void Builder::divide(const Cell& cell, const Split& split, Cell& below, Cell& above) {
+  below.clear();
+  above.clear();
+  below.box = above.box = cell.box;
+  below.box.hi[split.axis] = above.box.lo[split.axis] = split.plane;
+
+  const std::size_t count = cell.fragments.size();
+  renamed_.resize(count);
+  for (std::size_t id = 0; id < count; ++id) {
+    const Fragment& fragment = cell.fragments[id];
+    renamed_[id] = {kNone, kNone};
+    if (split.plane >= fragment.after[split.axis]) {
+      renamed_[id][0] = static_cast<std::uint32_t>(below.fragments.size());
+      below.fragments.push_back(fragment);
+    } else if (split.plane <= fragment.before[split.axis]) {
+      renamed_[id][1] = static_cast<std::uint32_t>(above.fragments.size());
+      above.fragments.push_back(fragment);
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    below.events[axis].reserve(2 * below.fragments.size());
+    above.events[axis].reserve(2 * above.fragments.size());
+    for (const Event event : cell.events[axis]) {
+      const auto& names = renamed_[event & kIdMask];
+      if (names[0] != kNone) below.events[axis].push_back((event & ~kIdMask) | names[0]);
+      if (names[1] != kNone) above.events[axis].push_back((event & ~kIdMask) | names[1]);
+    }
+  }
+  const std::size_t first_below = below.fragments.size();
+  const std::size_t first_above = above.fragments.size();
+  for (std::size_t id = 0; id < count; ++id) {
+    const Fragment& fragment = cell.fragments[id];
+    if (fragment.before[split.axis] < split.plane && split.plane < fragment.after[split.axis]) {
+      add_clipped(fragment, below);
+      add_clipped(fragment, above);
+    }
+  }
+  merge_events(below, first_below);
+  merge_events(above, first_above);
+}
+
+void Builder::append(KdTree&& part) {
+  const auto node_base = static_cast<std::uint32_t>(tree_.nodes.size());
+  const auto reference_base = static_cast<std::uint32_t>(tree_.references.size());
+  for (KdNode node : part.nodes) {
+    node.first += node.is_leaf() ? reference_base : node_base;
+    if (!node.is_leaf()) node.second += node_base;
+    tree_.nodes.push_back(node);
+  }
+  tree_.references.insert(tree_.references.end(), part.references.begin(), part.references.end());
+}
+
+double Builder::build(Cell& cell, int depth, int bad_splits) {
+  const std::size_t count = cell.fragments.size();
+  const bool too_many = count > kMaxLeafCount;
+  const double tests_cost = rules_.test_cost * static_cast<double>(count);
+  const double leaf_cost = rules_.step_cost + tests_cost;
+  Split split;
+  if (count > 0 && depth < (too_many ? kDepthEnd : rules_.depth_limit)) split = best_split(cell);
+  const bool pays = split.cost < tests_cost;
+  if (!pays) ++bad_splits;
+  if (split.axis == 3 || (!too_many && bad_splits > kBadSplits)) {
+    if (too_many) {
+      throw Error("mesh: " + std::to_string(count) + " triangles overlap near (" +
+                  std::to_string(cell.box.lo[0]) + ", " + std::to_string(cell.box.lo[1]) + ", " +
+                  std::to_string(cell.box.lo[2]) + "), a leaf holds " +
+                  std::to_string(kMaxLeafCount) + ": remove repeated triangles");
+    }
+    make_leaf(cell);
+    return leaf_cost;
+  }
+
+  const auto level = static_cast<std::size_t>(depth);
+  while (levels_.size() <= level) levels_.emplace_back();
+  auto& [below, above] = levels_[level];
+  divide(cell, split, below, above);
+
+  const std::size_t node = tree_.nodes.size();
+  const std::size_t references = tree_.references.size();
+  tree_.nodes.push_back({split.plane, static_cast<std::uint32_t>(split.axis), 0, 0});
+  const bool fork = depth < kForkDepth && above.fragments.size() >= kForkSize;
+  std::future<std::pair<KdTree, double>> other;
+  const double below_share = below.box.half_area() / cell.box.half_area();
+  const double above_share = above.box.half_area() / cell.box.half_area();
+  if (fork) {
+    other = std::async(std::launch::async, [this, depth, bad_splits, &upper = above] {
+      Builder builder(triangles_, rules_);
+      const double cost = builder.build(upper, depth + 1, bad_splits);
+      return std::pair(std::move(builder.tree()), cost);
+    });
+  }
+  tree_.nodes[node].first = static_cast<std::uint32_t>(tree_.nodes.size());
+  double cost = rules_.step_cost + below_share * build(below, depth + 1, bad_splits);
+  tree_.nodes[node].second = static_cast<std::uint32_t>(tree_.nodes.size());
+  if (fork) {
+    auto [part, part_cost] = other.get();
+    append(std::move(part));
+    cost += above_share * part_cost;
+  } else {
+    cost += above_share * build(above, depth + 1, bad_splits);
+  }
+  if (cost >= leaf_cost && !too_many) {
+    tree_.nodes.resize(node);
+    tree_.references.resize(references);
+    make_leaf(cell);
+    return leaf_cost;
+  }
+  return cost;
+}
+
+}  // namespace
+
+KdTree build_kd_tree(std::span<const Corners> triangles, const KdRules& rules) {
+  Cell root;
+  root.box = rules.box;
+  root.fragments.resize(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    Fragment& fragment = root.fragments[i];
+    fragment.triangle = static_cast<std::uint32_t>(i);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [lo, hi] =
+          std::minmax({triangles[i][0][axis], triangles[i][1][axis], triangles[i][2][axis]});
+      fragment.before[axis] = rules.grid.below(lo - rules.dilation);
+      fragment.after[axis] = rules.grid.above(hi + rules.dilation);
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    root.events[axis].reserve(2 * triangles.size());
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      root.events[axis].push_back(start_event(root.fragments[i].before[axis], i));
+      root.events[axis].push_back(end_event(root.fragments[i].after[axis], i));
+    }
+    std::sort(root.events[axis].begin(), root.events[axis].end());
+  }
+  Builder builder(triangles, rules);
+  builder.build(root, 0, 0);
+  return std::move(builder.tree());
+}
+
+}  // namespace ti

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accel/prepare.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace ti {
+namespace {
+
+/// x + y as value + error, exactly (Knuth).
+struct Pair {
+  double value;
+  double error;
+};
+
+Pair exact_sum(double x, double y) {
+  const double sum = x + y;
+  const double y_part = sum - x;
+  return {sum, (x - (sum - y_part)) + (y - y_part)};
+}
+
+Pair exact_product(double x, double y) {
+  const double product = x * y;
+  return {product, std::fma(x, y, -product)};
+}
+
+/// A sum without rounding: Shewchuk's growing expansion, whose terms are all zero exactly when the
+/// sum is. A double has room for every product of two differences of floats, so nothing overflows
+/// or underflows.
+class ExactSum {
+ public:
+  void add(double term) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Pair pair = exact_sum(term, terms_[i]);
+      terms_[i] = pair.error;
+      term = pair.value;
+    }
+    terms_[count_++] = term;
+  }
+
+  [[nodiscard]] bool is_zero() const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (terms_[i] != 0.0) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::array<double, 16> terms_{};
+  std::size_t count_ = 0;
+};
+
+void add_product(ExactSum& sum, Pair x, Pair y, double sign) {
+  for (const double factor : {x.value, x.error}) {
+    for (const double other : {y.value, y.error}) {
+      const Pair product = exact_product(sign * factor, other);
+      sum.add(product.value);
+      sum.add(product.error);
+    }
+  }
+}
+
+/// ab - cd with an error of at most 1.5 ulp (Kahan; Jeannerod, Louvet, Muller 2013).
+double difference_of_products(double a, double b, double c, double d) {
+  const double cd = c * d;
+  const double error = std::fma(-c, d, cd);
+  return std::fma(a, b, -cd) + error;
+}
+
+Point edge(const Corners& corners, std::size_t end) {
+  return {corners[end][0] - corners[0][0], corners[end][1] - corners[0][1],
+          corners[end][2] - corners[0][2]};
+}
+
+/// Computes the records; false when a constant is not finite in the format.
+bool make_records(const Corners& corners, Format format, ImagePlane& plane, ImageBary& bary) {
+  const Point first = edge(corners, 1);
+  const Point second = edge(corners, 2);
+  const Point normal{difference_of_products(first[1], second[2], first[2], second[1]),
+                     difference_of_products(first[2], second[0], first[0], second[2]),
+                     difference_of_products(first[0], second[1], first[1], second[0])};
+  std::size_t w = 0;
+  if (std::abs(normal[1]) > std::abs(normal[w])) w = 1;
+  if (std::abs(normal[2]) > std::abs(normal[w])) w = 2;
+  const std::size_t u = (w + 1) % 3;
+  const std::size_t v = (w + 2) % 3;
+
+  bool finite = true;
+  const auto rounded = [&](double value) {
+    const std::uint32_t bits = round_to_bits(format, value);
+    finite = finite && std::isfinite(value_of_bits(format, bits));
+    return bits;
+  };
+  plane.nu = rounded(normal[u] / normal[w]);
+  plane.nv = rounded(normal[v] / normal[w]);
+  plane.pu = rounded(corners[0][u]);
+  plane.pv = rounded(corners[0][v]);
+  plane.pw = rounded(corners[0][w]);
+  plane.axis = static_cast<std::uint32_t>(w);
+  plane.prim = 0;
+  plane.reserved = 0;
+  bary.e0u = rounded(first[u] / normal[w]);
+  bary.e0v = rounded(first[v] / normal[w]);
+  bary.e1u = rounded(second[u] / normal[w]);
+  bary.e1v = rounded(second[v] / normal[w]);
+  return finite;
+}
+
+}  // namespace
+
+bool has_zero_area(const Corners& corners) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t u = (axis + 1) % 3;
+    const std::size_t v = (axis + 2) % 3;
+    const Pair a = exact_sum(corners[1][u], -corners[0][u]);
+    const Pair b = exact_sum(corners[2][v], -corners[0][v]);
+    const Pair c = exact_sum(corners[1][v], -corners[0][v]);
+    const Pair d = exact_sum(corners[2][u], -corners[0][u]);
+    const double left = a.value * b.value;
+    const double right = c.value * d.value;
+    // Far from zero: the error of `left - right` is below 8 half ulps of its two terms.
+    constexpr double kBound = 4.0 * std::numeric_limits<double>::epsilon();
+    if (std::abs(left - right) > kBound * (std::abs(left) + std::abs(right))) return false;
+    ExactSum sum;
+    add_product(sum, a, b, 1.0);
+    add_product(sum, c, d, -1.0);
+    if (!sum.is_zero()) return false;
+  }
+  return true;
+}
+
+PreparedTriangles prepare_triangles(const Mesh& mesh, Format format) {
+  PreparedTriangles prepared;
+  prepared.corners.reserve(mesh.triangles.size());
+  prepared.planes.reserve(mesh.triangles.size());
+  prepared.barys.reserve(mesh.triangles.size());
+  std::vector<Point> rounded(mesh.vertices.size());
+  for (std::size_t i = 0; i < rounded.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      // + 0: no -0
+      rounded[i][static_cast<std::size_t>(axis)] =
+          round_to(format, static_cast<double>(mesh.vertices[i][axis])) + 0.0;
+    }
+  }
+
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    Corners corners;
+    bool finite = true;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t index = mesh.triangles[i][corner];
+      if (index >= rounded.size()) {
+        throw Error("mesh: triangle " + std::to_string(i) + " names vertex " +
+                    std::to_string(index) + " of " + std::to_string(rounded.size()) +
+                    ": repair the mesh file");
+      }
+      corners[corner] = rounded[index];
+      for (const double x : corners[corner]) finite = finite && std::isfinite(x);
+    }
+    ImagePlane plane{};
+    ImageBary bary{};
+    if (!finite) {
+      ++prepared.dropped_nonfinite;
+    } else if (has_zero_area(corners)) {
+      ++prepared.dropped_zero_area;
+    } else if (!make_records(corners, format, plane, bary)) {
+      ++prepared.dropped_nonfinite;
+    } else {
+      plane.prim = static_cast<std::uint32_t>(i);
+      prepared.corners.push_back(corners);
+      prepared.planes.push_back(plane);
+      prepared.barys.push_back(bary);
+    }
+  }
+  return prepared;
+}
+
+}  // namespace ti

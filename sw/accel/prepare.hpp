@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "accel/clip.hpp"
+#include "accel/image.hpp"
+#include "base/format.hpp"
+#include "scene/mesh.hpp"
+
+namespace ti {
+
+/// The triangles of a mesh that go into the tree, in the order of the mesh.
+struct PreparedTriangles {
+  std::vector<Corners> corners;  ///< rounded to the format
+  std::vector<ImagePlane> planes;
+  std::vector<ImageBary> barys;
+  std::uint32_t dropped_nonfinite = 0;  ///< a vertex or a constant is not finite in the format
+  std::uint32_t dropped_zero_area = 0;
+};
+
+/// Rounds the vertices to `format`, drops what cannot be hit, and computes the constants of the
+/// test (Shevtsov, Soupikov, Kapustin 2007, with the first vertex in place of n.p).
+///
+/// Zero area is decided exactly on the rounded vertices. Constants are computed in double, the
+/// normal by Kahan's difference of products, and rounded once. Throws `Error` when a triangle names
+/// a vertex that the mesh does not have.
+[[nodiscard]] PreparedTriangles prepare_triangles(const Mesh& mesh, Format format);
+
+/// True when the three corners lie on one line or point, exactly. Coordinates are values of a
+/// format (floats).
+[[nodiscard]] bool has_zero_area(const Corners& corners);
+
+}  // namespace ti

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/format.hpp"
+#include "scene/mesh.hpp"
+#include "scene/ray.hpp"
+
+namespace ti {
+
+/// What a hard case asks for; `docs/hardcases.md` tells each in full.
+enum class CaseRule : std::uint8_t { Exact, Watertight, NoHit, Tie, Policy, Self };
+
+/// One line of a file in the form of `scenes/hardcases.jsonl`.
+struct HardCase {
+  int n = 0;
+  std::string name;
+  CaseRule rule = CaseRule::Exact;
+  Ray ray;
+  Mesh mesh;
+  bool exact_hit = false;               ///< in exact arithmetic, tmin and tmax as they stand
+  std::vector<std::int32_t> exact_ids;  ///< every triangle of least t
+  std::string exact_t;                  ///< integer, fraction or decimal; empty when nothing is hit
+};
+
+/// Reads a file of cases. Throws `Error`, one sentence with file and line, for anything that is not
+/// in the form.
+[[nodiscard]] std::vector<HardCase> load_hardcases(const std::filesystem::path& path);
+
+struct CaseResult {
+  bool pass = false;
+  bool policy = false;   ///< judged by a choice of ours that `docs/hardcases.md` writes down
+  std::string required;  ///< what had to come out
+  std::string text;      ///< what came out, and why that is right or wrong
+};
+
+/// Judges what an engine of `format` reported.
+///
+/// (8, 23): by the results in the case. Shorter formats: the case is rounded first and its results
+/// are computed anew.
+[[nodiscard]] CaseResult judge_case(const HardCase& hard_case, const Hit& hit, Format format = {});
+
+/// Traces one ray through one mesh on an engine.
+using CaseTracer = std::function<Hit(const Mesh&, const Ray&)>;
+
+/// Traces and judges all cases, prints a table to standard output and gives the number of failures.
+[[nodiscard]] int run_hardcases(const std::vector<HardCase>& cases, const CaseTracer& trace,
+                                Format format = {});
+
+}  // namespace ti

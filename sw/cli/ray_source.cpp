@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/ray_source.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "scene/geometry.hpp"
+#include "scene/rays.hpp"
+
+namespace ti {
+namespace {
+
+constexpr std::array<std::string_view, 6> kKinds{"random", "inside",  "primary",
+                                                 "ao",     "diffuse", "shadow"};
+constexpr int kAoSamples = 16;
+constexpr double kAoRadius = 0.05;  // of the diagonal
+
+/// At least `count` camera rays in a square frame.
+std::vector<Ray> camera_rays(const Scene& scene, std::size_t count, std::uint64_t seed) {
+  const int side = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count))));
+  return primary_rays(scene.camera, side, side, 1, seed).rays;
+}
+
+std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tracer& model,
+                           Format format, std::uint64_t seed) {
+  const std::size_t lights = std::max<std::size_t>(1, scene.lights.size());
+  const std::size_t per_hit = source.kind == "ao"       ? kAoSamples
+                              : source.kind == "shadow" ? lights
+                                                        : 1;
+  const std::vector<Ray> rays = camera_rays(scene, (source.count + per_hit - 1) / per_hit, seed);
+  Work work;
+  std::vector<Hit> hits;
+  hits.reserve(rays.size());
+  for (const HitBits& bits : model.trace(rays, work)) hits.push_back(hit_of(format, bits));
+
+  if (source.kind == "diffuse") return diffuse_rays(scene.mesh, rays, hits, seed);
+  if (source.kind == "shadow") return shadow_rays(scene.mesh, rays, hits, scene.lights);
+  const auto bounds = bounds_of(scene.mesh);
+  const double diagonal = bounds ? bounds->diagonal() : 0.0;
+  return ao_rays(scene.mesh, rays, hits, kAoSamples, static_cast<float>(kAoRadius * diagonal),
+                 seed);
+}
+
+}  // namespace
+
+RaySource parse_ray_source(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  if (colon == std::string::npos || std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
+    if (text.empty())
+      throw Error("RAYS=: give a file rays.npy, or KIND:COUNT such as random:100000");
+    return {.file = text, .kind = {}, .count = 0};
+  }
+  std::size_t count = 0;
+  const char* begin = text.data() + colon + 1;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, count);
+  if (error != std::errc{} || stop != end || count < 1 || count > 1'000'000'000) {
+    throw Error(fmt::format("RAYS={}: the count after the colon must be 1 to 1000000000", text));
+  }
+  return {.file = {}, .kind = kind, .count = count};
+}
+
+std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tracer& model,
+                           Format format, std::uint64_t seed) {
+  std::vector<Ray> rays;
+  if (source.kind == "random") {
+    rays = random_rays(scene.mesh, source.count, seed);
+  } else if (source.kind == "inside") {
+    rays = inside_rays(scene.mesh, source.count, seed);
+  } else if (source.kind == "primary") {
+    rays = camera_rays(scene, source.count, seed);
+  } else {
+    rays = secondary(source, scene, model, format, seed);
+  }
+  if (rays.size() > source.count) rays.resize(source.count);
+  if (rays.empty()) {
+    throw Error(fmt::format(
+        "RAYS={}:{}: the scene gives no such ray, as no camera ray hits it or it has no light",
+        source.kind, source.count));
+  }
+  return rays;
+}
+
+}  // namespace ti
