@@ -16,6 +16,7 @@ OUT ?=
 RAYS ?=
 IMAGE ?=
 SEED ?=
+RAY_WAVES ?=
 LOG_RAY ?=
 MEM_LATENCY ?=
 MEM_BANDWIDTH ?=
@@ -56,10 +57,12 @@ scene = $(firstword $(if $(filter knot,$(SCENE)),$(knot)) $(wildcard $(foreach d
 scene_name = $(firstword $(subst ., ,$(notdir $(scene))))
 run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 
-# Only the program with the RTL as an engine is built for a configuration.
-ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
-needs = check-engine $(config)/config.json $(call ti,$(ENGINE)) $(filter $(knot),$(scene))
-common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED)) $(if $(IMAGE),--image $(IMAGE)) \
+# What an engine needs beside the program: the RTL is a library for a configuration.
+ti := build/sw/ti
+library = $(if $(filter rtl,$(1)),$(rtl_library))
+needs = check-engine $(config)/config.json $(ti) $(call library,$(ENGINE)) $(filter $(knot),$(scene))
+common_args = --config $(config)/config.json --engine $(ENGINE) $(addprefix --rtl ,$(call library,$(ENGINE))) \
+  $(if $(RAY_WAVES),--waves $(RAY_WAVES)) $(if $(SEED),--seed $(SEED)) $(if $(IMAGE),--image $(IMAGE)) \
   $(if $(LOG_RAY),--log-ray $(LOG_RAY)) \
   $(if $(MEM_LATENCY),--mem-latency $(MEM_LATENCY)) $(if $(MEM_BANDWIDTH),--mem-bytes-per-cycle $(MEM_BANDWIDTH))
 # Hard cases run on both unless the user names one.
@@ -72,19 +75,19 @@ include sim/sim.mk
 
 ##@ Trace
 render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= MEM_LATENCY= MEM_BANDWIDTH= OUT= DUMP=1)
-	@$(call ti,$(ENGINE)) render --scene $(scene) --size $(SIZE) --spp $(SPP) --effects $(EFFECTS) $(common_args) \
+	@$(ti) render --scene $(scene) --size $(SIZE) --spp $(SPP) --effects $(EFFECTS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(or $(OUT),build/render/$(run_name))
 
-trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
-	@$(call ti,$(ENGINE)) trace --rays $(RAYS) --scene $(scene) $(common_args) \
+trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
+	@$(ti) trace --rays $(RAYS) --scene $(scene) $(common_args) \
 	  --out $(or $(OUT),build/trace/$(run_name))
 
 image: $(config)/config.json build/sw/ti $(filter $(knot),$(scene)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(or $(OUT),build/image/$(scene_name)-$(tag).tiim)
 
-hardcases: check-engine $(config)/config.json $(foreach e,$(case_engines),$(call ti,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
-	@$(foreach e,$(case_engines),$(call ti,$(e)) hardcases --file $(cases) \
-	  --config $(config)/config.json --engine $(e) &&) true
+hardcases: check-engine $(config)/config.json $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
+	@$(foreach e,$(case_engines),$(ti) hardcases --file $(cases) \
+	  --config $(config)/config.json --engine $(e) $(addprefix --rtl ,$(call library,$(e))) &&) true
 
 testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
 	@scripts/logged.sh build/fp/$(subst $(comma),-,$(FORMAT))/build.log "build: FP operators ($(FORMAT))" \

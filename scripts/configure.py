@@ -74,6 +74,8 @@ KEYS = {
     "clock_mhz": Key(1, 10000),
 }
 
+OF_REPORTS = ("clock_mhz",)  # keys that change no machine
+
 
 class ConfigError(Exception):
     """One sentence that names the file, the key and what is allowed."""
@@ -185,10 +187,13 @@ def package(name: str, config: dict[str, int]) -> str:
 
 def header(name: str, config: dict[str, int]) -> str:
     lines = "".join(f"inline constexpr int k{camel(k)} = {config[k]};\n" for k in KEYS)
+    keys = json.dumps({key: config[key] for key in KEYS if key not in OF_REPORTS})
     return (
         "// SPDX-License-Identifier: Apache-2.0\n"
         f"// Configuration `{name}`, written by scripts/configure.py.\n"
         f'#pragma once\n\nnamespace ti::config {{\n\ninline constexpr char kName[] = "{name}";\n'
+        f"/// The keys that the RTL is made of.\n"
+        f'inline constexpr char kJson[] = R"({keys})";\n'
         f"{lines}\n}}  // namespace ti::config\n"
     )
 

@@ -195,7 +195,8 @@ class Copy:
         if status != 0:
             raise UselessError("the engine does not build")
         build = "-".join(["build/tiny", *overrides.replace("=", "-").split()])
-        command = [f"{build}/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command = [ROOT / "build/sw/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command += ["--rtl", f"{build}/libti_rtl.so"]
         command += ["--config", f"{build}/config/config.json", "--scene", scene]
         command += ["--rays", "random:3000", "--out", "build/trace", *options]
         report = self.folder / "build/trace/report.json"

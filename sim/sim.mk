@@ -1,21 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds: the configuration, the C++ programs, and `ti` with the RTL as an engine.  Included by the
+# Builds: the configuration, the C++ programs, and the RTL as a library.  Included by the
 # Makefile; uses its `config`, `tag` and `cxx`.
 
 rtl_build := build/$(tag)
+rtl_library := $(rtl_build)/libti_rtl.so
 verilated := $(rtl_build)/verilated
 rtl_sources := $(wildcard rtl/*.sv rtl/*/*.sv rtl/*/*.svh rtl/*/*/*.sv) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
-harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp)) $(rtl_build)/obj/main.o
+harness := $(patsubst sim/%.cpp,$(rtl_build)/obj/%.o,$(wildcard sim/*.cpp))
 
 # Without -fno-dfg and -fno-table the instances of a unit would not share their code (sim.vlt).
 VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 -fno-dfg -fno-table \
-  --x-assign fast --x-initial unique $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
-HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
+  -CFLAGS '-fPIC -fvisibility=hidden' --x-assign fast --x-initial unique $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
+HARNESS_FLAGS = -std=c++20 -O2 -g1 -fPIC -fvisibility=hidden -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
   -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
 verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)
-LIBRARIES = $(if $(wildcard /usr/include/embree4),-lembree4,-lembree3) \
-  -lassimp -lfmt -lzstd -lz -lgmpxx -lgmp -pthread -latomic
 
 # Always run; rewrites only what changes, so that nothing is rebuilt without need.
 $(config)/config.json: FORCE | build/setup.stamp
@@ -47,7 +46,7 @@ build/sw/ti: build/sw/build.ninja FORCE
 build/sw/libti_sw.a: build/sw/build.ninja FORCE
 	@$(call ninja_build,ti_sw)
 
-# --- ti with the RTL ----------------------------------------------------------------------------
+# --- the RTL ----------------------------------------------------------------------------
 
 $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv sim/sim.mk build/setup.stamp
 	@scripts/logged.sh $(rtl_build)/verilate.log "build: Verilator ($(tag))" verilator $(VERILATOR_FLAGS) \
@@ -59,14 +58,13 @@ $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count
 
 $(rtl_build)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp $(config)/ti_counters.hpp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
-$(rtl_build)/obj/main.o: sw/cli/main.cpp build/setup.stamp
-	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
 -include $(wildcard $(rtl_build)/obj/*.d)
 
-$(rtl_build)/ti: $(harness) $(verilated)/stamp build/sw/libti_sw.a
-	@scripts/logged.sh $(rtl_build)/link.log "build: $@" $(cxx) -o $@ $(harness) \
-	  $(verilated)/libVti_engine.a $(verilated)/libverilated.a build/sw/libti_sw.a $(LIBRARIES)
+# The RTL as a library that `ti` and the Python module load; it shows one symbol.
+$(rtl_library): $(harness) $(verilated)/stamp build/sw/libti_sw.a
+	@scripts/logged.sh $(rtl_build)/link.log "build: $@" $(cxx) -shared -Wl,-Bsymbolic -Wl,--exclude-libs,ALL \
+	  -o $@ $(harness) $(verilated)/libVti_engine.a $(verilated)/libverilated.a build/sw/libti_sw.a -lfmt -pthread -latomic
 
-engine: $(rtl_build)/ti ## Build ti with the RTL of CONFIG=
+engine: $(rtl_library) ## Build ti with the RTL of CONFIG=
 
 .PHONY: sw model sanitized engine

@@ -45,6 +45,7 @@ Config load_config(const std::filesystem::path& path) {
   constexpr int kMany = 1 << 20;
   Config c;
   c.name = name->get<std::string>();
+  c.json = json.dump();
   c.format.exp_bits = integer(json, file, "exp_bits", 3, 8);
   c.format.frac_bits = integer(json, file, "frac_bits", 2, 23);
   c.num_trv = integer(json, file, "num_trv", 1, kMany);

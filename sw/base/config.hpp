@@ -12,6 +12,7 @@ namespace ti {
 /// `scripts/configure.py` writes.
 struct Config {
   std::string name = "paper";
+  std::string json;  ///< all keys, as the file has them
   Format format;
   int num_trv = 24;
   int num_list = 6;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "scene/random.hpp"
+#include "render/shade.hpp"
 #include "scene/rays.hpp"
 #include "test/support.hpp"
 

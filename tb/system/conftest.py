@@ -29,14 +29,14 @@ def ti():
 @pytest.fixture(scope="session")
 def tiny():
     """`ti` with the RTL of the configuration tiny."""
-    built("engine", CONFIG="tiny")
+    built("engine", "build/sw/ti", CONFIG="tiny")
     return Program("tiny")
 
 
 @pytest.fixture(scope="session")
 def small():
     """`ti` with the RTL of the configuration small."""
-    built("engine", CONFIG="small")
+    built("engine", "build/sw/ti", CONFIG="small")
     return Program("small")
 
 
