@@ -60,13 +60,16 @@ void set_bit(Port& port, int top, bool value) {
 class RtlEngine final : public Engine {
  public:
   RtlEngine(const Image& image, const RtlOptions& options)
-      : image_(image), options_(options), patience_(patience(options)), random_(options.stall_seed) {
+      : image_(image),
+        options_(options),
+        patience_(patience(options)),
+        random_(options.stall_seed) {
     constexpr int kAddrBits = config::kAddrBits;
     const std::uint64_t end = Memory::kBase + image.bytes().size();
     if (kAddrBits < 64 && end > std::uint64_t{1} << kAddrBits) {
       throw Error(fmt::format(
-          "the image ends at address {}, beyond the {} bits of addr_bits: give SET=addr_bits={}", end,
-          kAddrBits, std::bit_width(end - 1)));
+          "the image ends at address {}, beyond the {} bits of addr_bits: give SET=addr_bits={}",
+          end, kAddrBits, std::bit_width(end - 1)));
     }
     start();
   }
@@ -308,6 +311,7 @@ class RtlEngine final : public Engine {
     }
     came_[place] = true;
     answer.ray = first_ + place;
+    answer.cycle = cycle_;
     answers.push_back(answer);
     --missing_;
     ++counts_.rays;
@@ -328,7 +332,7 @@ class RtlEngine final : public Engine {
   std::unique_ptr<Vti_engine> top_;
   std::unique_ptr<FixedMemory> memory_;
 
-  std::deque<Ray> queue_;      // the first one is on the port when `ray_up_`
+  std::deque<Ray> queue_;  // the first one is on the port when `ray_up_`
   bool ray_up_ = false;
   std::uint64_t first_ = 0;    // number of the ray of `came_[0]`
   std::vector<bool> came_;     // of the rays taken since all were answered: whether they are

@@ -228,12 +228,10 @@ int trace(Arguments& arguments) {
     throw Error(fmt::format("LOG_RAY={}: there are {} rays, numbered from 0",
                             *arguments.run.log_ray, rays.size()));
   }
-  ti::Report report{.request = {.command = "trace",
-                                .rays = arguments.rays,
-                                .size = {},
-                                .seed = arguments.seed},
-                    .total = {},
-                    .waves = {}};
+  ti::Report report{
+      .request = {.command = "trace", .rays = arguments.rays, .size = {}, .seed = arguments.seed},
+      .total = {},
+      .waves = {}};
   trace_waves(session, rays, arguments.waves, report);
   Files files(arguments);
   files.add_dump(arguments, rays, report.total, true);
@@ -312,7 +310,8 @@ void add_engine(CLI::App& command, Arguments& arguments) {
   command.add_option("--error-every", rtl.error_every,
                      "not 0: each n-th answer of the memory is an error");
   command.add_option("--rtl", arguments.run.library, "library of the RTL that `make engine` built");
-  command.add_flag("!--no-lock-step", arguments.run.lock_step, "do not compare each hit with the model");
+  command.add_flag("!--no-lock-step", arguments.run.lock_step,
+                   "do not compare each hit with the model");
   command.add_flag("!--no-progress", arguments.progress, "no progress bar");
   command.add_flag("!--no-truth", arguments.run.truth,
                    "do not compare with Embree and exact arithmetic");
@@ -338,7 +337,8 @@ void add_run(CLI::App& command, Arguments& arguments) {
                      "number of a ray whose steps are written, by model and RTL");
   command.add_option("--waves", arguments.waves, "number of parts in which the rays are traced")
       ->check(CLI::Range(1, 1000000));
-  command.add_flag("--dump", arguments.dump, "write rays, hits, and each ray's steps and tests too");
+  command.add_flag("--dump", arguments.dump,
+                   "write rays, hits, and each ray's steps and tests too");
 }
 
 int run(int argc, char** argv) {

@@ -134,10 +134,12 @@ void print_summary(const Report& report, const Session& session) {
   if (counts.machine) {
     print_machine(counts, session.options().config.clock_mhz);
     print_waves(report.waves);
-    fmt::print("simulation: {:.1f} s, {:.0f} cycles/s, {:.0f} rays/s; checks on the host {:.1f} s, {:.0f} % of the time\n",
-               counts.seconds, ratio(static_cast<double>(counts.machine->cycles), counts.seconds),
-               ratio(static_cast<double>(counts.rays), counts.seconds),
-               total.times.lock_step + total.times.truth, 100 * report.host_share());
+    fmt::print(
+        "simulation: {:.1f} s, {:.0f} cycles/s, {:.0f} rays/s; checks on the host {:.1f} s, {:.0f} "
+        "% of the time\n",
+        counts.seconds, ratio(static_cast<double>(counts.machine->cycles), counts.seconds),
+        ratio(static_cast<double>(counts.rays), counts.seconds),
+        total.times.lock_step + total.times.truth, 100 * report.host_share());
   } else {
     print_waves(report.waves);
   }

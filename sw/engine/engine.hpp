@@ -21,9 +21,10 @@ namespace ti {
 
 /// What came back for one ray.
 struct Answer {
-  std::uint64_t ray = 0;  ///< its number, from 0 in the order of `Engine::submit`
-  HitBits hit;            ///< in the engine's number format
-  bool found = false;     ///< the engine's own word for a hit
+  std::uint64_t ray = 0;    ///< its number, from 0 in the order of `Engine::submit`
+  HitBits hit;              ///< in the engine's number format
+  bool found = false;       ///< the engine's own word for a hit
+  std::uint64_t cycle = 0;  ///< the machine's cycle in which it came, as `MachineCounts` counts
 };
 
 /// Something that answers rays, for as long as it lives: caches stay warm and counters go on from

@@ -69,8 +69,7 @@ LockStep compare(const ModelRun& model, std::span<const Answer> answers, std::ui
   result.on = true;
   for (const Answer& answer : answers) {
     const HitBits& expected = model.hits[answer.ray - first];
-    const bool excused =
-        excuse_memory && answer.hit.status == Status::MemoryError && !answer.found;
+    const bool excused = excuse_memory && answer.hit.status == Status::MemoryError && !answer.found;
     if (excused || (answer.hit == expected && answer.found == (expected.prim >= 0))) continue;
     ++result.mismatches;
     if (result.examples.size() < kExamples) {
@@ -80,8 +79,7 @@ LockStep compare(const ModelRun& model, std::span<const Answer> answers, std::ui
   }
   if (work != nullptr && !excuse_memory && !(*work == model.work)) {
     result.work_differs = true;
-    result.examples.push_back(
-        fmt::format("RTL {}; model {}", text_of(*work), text_of(model.work)));
+    result.examples.push_back(fmt::format("RTL {}; model {}", text_of(*work), text_of(model.work)));
   }
   return result;
 }

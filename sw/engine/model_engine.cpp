@@ -12,7 +12,9 @@ namespace {
 /// An engine that answers each block of rays at once, in order.
 class BlockEngine : public Engine {
  public:
-  void submit(std::span<const Ray> rays) override { queue_.insert(queue_.end(), rays.begin(), rays.end()); }
+  void submit(std::span<const Ray> rays) override {
+    queue_.insert(queue_.end(), rays.begin(), rays.end());
+  }
 
   void poll(std::vector<Answer>& answers, std::size_t least) override {
     constexpr std::size_t kBlock = 16384;

@@ -22,7 +22,8 @@ std::unique_ptr<Engine> load_rtl_engine(const std::filesystem::path& path, const
   if (!std::filesystem::is_regular_file(path))
     throw Error(fmt::format("{}: there is no library of the RTL; {}", file, kCure));
   // Never unloaded: what it throws lives in it.
-  void* library = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  void* library =
+      dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   const auto* plugin =
       library ? static_cast<const RtlPlugin*>(dlsym(library, "ti_rtl_plugin")) : nullptr;
   if (plugin == nullptr || plugin->interface != RtlPlugin::kInterface) {

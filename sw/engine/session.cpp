@@ -46,6 +46,8 @@ HostTimes& HostTimes::operator+=(const HostTimes& other) {
 }
 
 Wave& Wave::operator+=(const Wave& next) {
+  const std::uint64_t start = counts.machine ? counts.machine->cycles : 0;
+  for (const std::uint64_t cycle : next.answered) answered.push_back(start + cycle);
   hits.insert(hits.end(), next.hits.begin(), next.hits.end());
   tests.insert(tests.end(), next.tests.begin(), next.tests.end());
   counts += next.counts;
@@ -140,14 +142,19 @@ Wave Session::trace(std::span<const Ray> rays) {
   const std::vector<Answer> answers = answers_of(rays, wave.stopped);
   const Counts after = engine_->counts();
   wave.counts = after - before_;
+  const std::uint64_t start = before_.machine ? before_.machine->cycles : 0;
   before_ = after;
   wave.times.engine = wave.counts.seconds;
 
   // Rays are begun in their order, so those that a stop left out are the last.
   if (wave.stopped) rays = rays.first(wave.counts.rays + wave.counts.lost);
   wave.hits.resize(rays.size());
-  for (const Answer& answer : answers)
-    wave.hits[answer.ray - submitted_] = hit_of(engine_->format(), answer.hit);
+  if (wave.counts.machine) wave.answered.resize(rays.size());
+  for (const Answer& answer : answers) {
+    const std::size_t i = answer.ray - submitted_;
+    wave.hits[i] = hit_of(engine_->format(), answer.hit);
+    if (wave.counts.machine) wave.answered[i] = answer.cycle - start;
+  }
 
   auto begin = Clock::now();
   const bool compare_rtl = options_.engine == EngineKind::Rtl && options_.lock_step;

@@ -49,6 +49,9 @@ struct HostTimes {
 struct Wave {
   std::vector<Hit> hits;             ///< in the order of the rays; fewer when stopped
   std::vector<std::uint32_t> tests;  ///< triangle tests of each ray; empty when not counted
+  /// Cycles from the start of the first wave to each answer, in the order of the rays; empty when
+  /// no machine traced them.
+  std::vector<std::uint64_t> answered;
   Counts counts;
   LockStep lock_step;
   std::optional<TruthReport> truth;  ///< none when switched off or for Embree

@@ -68,9 +68,7 @@ fs::path write_part(const fs::path& path, std::string_view bytes) {
 
 }  // namespace
 
-void write_file(const fs::path& path, std::string_view bytes) {
-  write_files({{path, bytes}});
-}
+void write_file(const fs::path& path, std::string_view bytes) { write_files({{path, bytes}}); }
 
 void write_files(const std::vector<std::pair<fs::path, std::string_view>>& files) {
   std::vector<fs::path> parts;

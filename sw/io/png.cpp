@@ -46,8 +46,8 @@ std::string png_of(std::span<const unsigned char> rgb, int width, int height) {
   }
   std::string bytes;
   if (stbi_write_png_to_func(append, &bytes, width, height, 3, rgb.data(), width * 3) == 0) {
-    throw Error(fmt::format("the picture of {}x{} cannot be encoded; choose a smaller one", width,
-                            height));
+    throw Error(
+        fmt::format("the picture of {}x{} cannot be encoded; choose a smaller one", width, height));
   }
   return bytes;
 }

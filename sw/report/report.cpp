@@ -37,18 +37,18 @@ ordered_json if_known(bool known, const T& value) {
 ordered_json provenance_json(const Report& report, const Session& session) {
   const RunOptions& options = session.options();
   const Request& request = report.request;
-  ordered_json json = {{"commit", commit()},
-                       {"command", request.command},
-                       {"scene", options.scene.filename().string()},
-                       {"rays", request.command == "trace" ? ordered_json(request.rays)
-                                                           : ordered_json(nullptr)},
-                       {"seed", request.seed},
-                       {"size", nullptr},
-                       {"spp", if_known(request.size.has_value(), request.spp)},
-                       {"effects", if_known(request.size.has_value(), request.effects)},
-                       {"layout", options.layout == Layout::Odfl ? "odfl" : "dfl"},
-                       {"image_given", !options.image.empty()},
-                       {"waves", report.waves.size()}};
+  ordered_json json = {
+      {"commit", commit()},
+      {"command", request.command},
+      {"scene", options.scene.filename().string()},
+      {"rays", request.command == "trace" ? ordered_json(request.rays) : ordered_json(nullptr)},
+      {"seed", request.seed},
+      {"size", nullptr},
+      {"spp", if_known(request.size.has_value(), request.spp)},
+      {"effects", if_known(request.size.has_value(), request.effects)},
+      {"layout", options.layout == Layout::Odfl ? "odfl" : "dfl"},
+      {"image_given", !options.image.empty()},
+      {"waves", report.waves.size()}};
   if (request.size) json["size"] = *request.size;
   return json;
 }
@@ -215,14 +215,12 @@ std::string to_json(const Report& report, const Session& session) {
                                [](const Hit& hit) { return hit.is_hit(); });
   json["stopped"] = total.stopped;
   json.update(machine_json(session, counts));
-  json["spread"] = {{"steps", options.engine == EngineKind::Embree
-                                  ? ordered_json(nullptr)
-                                  : spread_json(std::move(steps))},
+  json["spread"] = {{"steps", options.engine == EngineKind::Embree ? ordered_json(nullptr)
+                                                                   : spread_json(std::move(steps))},
                     {"tests", spread_json(total.tests)}};
   json["waves"] = waves_json(report);
   json["check"] = check_json(total);
-  const double cycles =
-      counts.machine ? static_cast<double>(counts.machine->cycles) : 0.0;
+  const double cycles = counts.machine ? static_cast<double>(counts.machine->cycles) : 0.0;
   const double seconds = counts.seconds;
   json["sim"] = {{"seconds", seconds},
                  {"cycles_per_s", if_known(counts.machine.has_value(), ratio(cycles, seconds))},

@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "scene/random.hpp"
 #include "render/shade.hpp"
+#include "scene/random.hpp"
 #include "scene/rays.hpp"
 #include "test/support.hpp"
 

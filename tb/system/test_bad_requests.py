@@ -167,7 +167,6 @@ def test_an_image_beyond_the_addresses_is_refused(knot, ti, out):
     narrow.trace(out, CORNELL, "random:10").good()
 
 
-
 def test_an_output_that_cannot_be_a_folder_is_refused_before_any_work(ti, tmp_path):
     file = tmp_path / "file"
     file.write_text("mine")
