@@ -98,8 +98,7 @@ def payloads():
 def configuration():
     """The configuration that `bench.run` built: the simulation runs in a folder below the build."""
     config = json.loads((Path.cwd().parent / "config/config.json").read_text())
-    config.pop("name")
-    return config
+    return {key: value for key, value in config.items() if key not in ("name", "machine")}
 
 
 def parameter(name, otherwise=0):
