@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import configure
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -102,8 +103,9 @@ class Program:
     """`ti` with the RTL of one configuration, or (`rtl` false) without any."""
 
     def __init__(self, config, rtl=True):
-        self.config = ROOT / f"build/{config}/config/config.json"
-        self.path = ROOT / ("build/sw/ti" if not rtl else f"build/{config}/ti")
+        folder = ROOT / "build" / configure.load(config).folder
+        self.config = folder / "config.json"
+        self.path = folder / "engine/ti" if rtl else ROOT / "build/sw/ti"
         self._engine = "rtl" if rtl else "model"
 
     def run(self, command, *arguments, config=None):

@@ -22,7 +22,7 @@ def built(*targets, **variables):
 @pytest.fixture(scope="session")
 def ti():
     """`ti` without RTL, for the configuration tiny."""
-    built("build/sw/ti", "build/tiny/config/config.json", CONFIG="tiny")
+    built("build/sw/ti", "config", CONFIG="tiny")
     return Program("tiny", rtl=False)
 
 
