@@ -16,6 +16,7 @@ OUT ?=
 RAYS ?=
 IMAGE ?=
 SEED ?=
+RAY_WAVES ?=
 LOG_RAY ?=
 MEM_LATENCY ?=
 MEM_BANDWIDTH ?=
@@ -57,17 +58,18 @@ folders = $(eval folders := $$(find_folders))$(folders)
 config = $(word 1,$(folders))
 engine = $(word 2,$(folders))
 
-# Only the program with the RTL as an engine is built for a configuration.
-program = $(if $(filter rtl,$(1)),engine,build/sw/ti)
-ti = $(if $(filter rtl,$(1)),$(engine)/ti,build/sw/ti)
+# What an engine needs beside the program: the RTL is a library for a configuration.
+ti := build/sw/ti
+library = $(if $(filter rtl,$(1)),engine)
+rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)
 knot := build/scenes/knot.ply
-needs = check-engine config $(call program,$(ENGINE)) $(filter $(knot),$(SCENE:knot=$(knot)))
+needs = check-engine config $(ti) $(call library,$(ENGINE)) $(filter $(knot),$(SCENE:knot=$(knot)))
 scene = "$$(scripts/scene.sh file $(call q,SCENE))"
 # What a run is called: cornell-small, cornell-small-num_trv-2-model.
 scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
 run_name = $(scene_name)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 common_args = --config $(config)/config.json --engine $(ENGINE) --scene $(scene) \
-  $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
+  $(call rtl,$(ENGINE)) $(call opt,--waves,RAY_WAVES) $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
   $(call opt,--mem-latency,MEM_LATENCY) $(call opt,--mem-bytes-per-cycle,MEM_BANDWIDTH)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -76,19 +78,19 @@ liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
 ##@ Trace
 render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= MEM_LATENCY= MEM_BANDWIDTH= OUT= DUMP=1)
-	@$(call ti,$(ENGINE)) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) $(common_args) \
+	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name))
 
-trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
-	@$(call ti,$(ENGINE)) trace --rays $(call q,RAYS) $(common_args) \
+trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
+	@$(ti) trace --rays $(call q,RAYS) $(common_args) \
 	  --out $(call out,build/trace/$(run_name)-"$$(scripts/scene.sh rays $(call q,RAYS))")
 
 image: config build/sw/ti $(filter $(knot),$(SCENE:knot=$(knot))) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)
 
-hardcases: check-engine config $(foreach e,$(case_engines),$(call program,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
-	@$(foreach e,$(case_engines),$(call ti,$(e)) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
-	  --config $(config)/config.json --engine $(e) &&) true
+hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
+	@$(foreach e,$(case_engines),$(ti) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
+	  --config $(config)/config.json --engine $(e) $(call rtl,$(e)) &&) true
 
 testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
 	@scripts/logged.sh build/fp/$(fp)/build.log "build: FP operators ($(FORMAT))" \
@@ -97,8 +99,8 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 testfloat: fp = $(subst $(comma),-,$(FORMAT))
 
 ##@ Build
-engine: config build/sw/libti_sw.a ## ti with the RTL of CONFIG= as its engine (SET=)
-	@scripts/build_engine.sh $(engine) $(MAKE) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
+engine: config build/sw/libti_sw.a ## The RTL of CONFIG= as a library that ti and Python load (SET=)
+	@scripts/build_engine.sh $(engine) $(MAKE) what=$(notdir $(config)) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
 
 config: build/setup.stamp ## Files of CONFIG= for RTL, C++ and programs, checked (SET=), in build/config
 	@$(if $(folders),$(if $(filter config,$(MAKECMDGOALS)),echo $(config),true),exit 2)

@@ -8,7 +8,7 @@ folder=$1
 shift
 exec 9>"$folder/lock"
 flock 9
-[[ ! -e "$folder/unfinished" ]] || rm -rf "$folder/verilated" "$folder/obj" "$folder/ti"
+[[ ! -e "$folder/unfinished" ]] || rm -rf "$folder/verilated" "$folder/obj" "$folder/libti_rtl.so"
 touch "$folder/unfinished"
 status=0
 "$@" -f sim/sim.mk engine="$folder" || status=$?

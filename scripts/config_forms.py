@@ -57,27 +57,28 @@ def _sv(key: Key, value: Value) -> str:
     return f"  localparam {kind} {name} = {text};\n"
 
 
-def header(schema: Schema, name: str, machine: str, config: dict[str, Value]) -> str:
+def header(schema: Schema, machine: str, config: dict[str, Value]) -> str:
     """`ti_config.hpp`: the same for C++."""
     keys = [key for key in schema.keys.values() if key.hardware]
     lines = "".join(
         f"inline constexpr {_cpp_type(k)} k{camel(k.name)} = {_cpp(k, config[k.name])};\n"
         for k in keys
     )
+    values = json.dumps({key.name: config[key.name] for key in keys})
     include = '#include "base/config_keys.hpp"\n\n' if any(k.values for k in keys) else ""
     return (
         f"{HEAD}// Machine {machine}, written by scripts/configure.py.\n"
         f"#pragma once\n\n{include}namespace ti::config {{\n\n"
-        f"inline constexpr char kName[] = {json.dumps(name)};\n"
-        f'inline constexpr char kMachine[] = "{machine}";\n'
+        "/// All of them, as JSON.\n"
+        f'inline constexpr char kJson[] = R"({values})";\n'
         f"{lines}\n}}  // namespace ti::config\n"
     )
 
 
-def config_json(schema: Schema, name: str, machine: str, config: dict[str, Value]) -> str:
+def config_json(schema: Schema, name: str, config: dict[str, Value]) -> str:
     """`config.json`: all keys."""
     values = {key: config[key] for key in schema.keys}
-    return json.dumps({"name": name, "machine": machine, **values}, indent=2) + "\n"
+    return json.dumps({"name": name, **values}, indent=2) + "\n"
 
 
 # --- All configurations --------------------------------------------------------------------------
@@ -85,7 +86,7 @@ def config_json(schema: Schema, name: str, machine: str, config: dict[str, Value
 
 def json_schema(schema: Schema) -> str:
     """JSON Schema of `config.json`."""
-    properties = {"name": {"type": "string"}, "machine": {"type": "string"}}
+    properties = {"name": {"type": "string"}}
     properties |= {key.name: _json_rule(key) for key in schema.keys.values()}
     return (
         json.dumps(
@@ -140,7 +141,7 @@ def keys_header(schema: Schema) -> str:
         "/// The keys of a configuration; `load_config` reads them.\n"
         "struct Config {\n"
         "  std::string name;\n"
-        "  std::string machine;  ///< the same for configurations with the same RTL\n"
+        "  std::string json;  ///< all keys, as the file has them\n"
         "  Format format;  ///< of exp_bits and frac_bits\n"
         f"{members}}};\n\n"
         "/// What `load_config` asks of each key.\n"

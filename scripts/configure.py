@@ -10,8 +10,7 @@ sentence, status 2, and no file touched.
 
 With --build the places are chosen here and printed, a line each: the folder of the configuration,
 where all these files are, and the folder of its engine, where those of its RTL are.  The latter is
-named by the keys of the RTL alone, so it holds one machine and every configuration of that file
-name with that machine shares it.
+named by the keys of the RTL alone, so all configurations of one machine share it.
 
 Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR [--any-format]
        scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --build DIR
@@ -51,8 +50,8 @@ class Configuration:
 
     @cached_property
     def name(self) -> str:
-        """Of the machine: the file's name and the overrides that change its RTL."""
-        return " ".join([self.path.stem, *self._words(hardware_only=True)])
+        """The file's name and the overrides."""
+        return " ".join([self.path.stem, *self._words()])
 
     @cached_property
     def machine(self) -> str:
@@ -63,7 +62,7 @@ class Configuration:
     @cached_property
     def folder(self) -> Path:
         """Place below the folder of builds; other values have another."""
-        tag = "-".join([self.path.stem, *self._words(hardware_only=False)]).replace("=", "-")
+        tag = "-".join([self.path.stem, *self._words()]).replace("=", "-")
         if self.path.resolve().parent != CONFIGS or len(tag) > LONGEST_FOLDER or _plain(tag) != tag:
             tag = f"{_plain(self.path.stem)}-{_digest([str(self.path.resolve()), self.values])}"
         return Path("config", tag)
@@ -71,20 +70,16 @@ class Configuration:
     @cached_property
     def engine(self) -> Path:
         """Place of the engine below the folder of builds."""
-        return Path("engine", f"{_plain(self.path.stem)}-{self.machine}")
+        return Path("engine", self.machine)
 
-    def _words(self, hardware_only: bool) -> list[str]:
-        return [
-            f"{key}={json.dumps(value).strip(chr(34))}"
-            for key, value in self.overrides.items()
-            if self.schema.keys[key].hardware or not hardware_only
-        ]
+    def _words(self) -> list[str]:
+        return [f"{key}={json.dumps(v).strip(chr(34))}" for key, v in self.overrides.items()]
 
     def files_of_machine(self) -> dict[str, str]:
         """Name and text of what only the keys of the RTL decide."""
         return {
             "ti_config_pkg.sv": config_forms.package(self.schema, self.machine, self.values),
-            "ti_config.hpp": config_forms.header(self.schema, self.name, self.machine, self.values),
+            "ti_config.hpp": config_forms.header(self.schema, self.machine, self.values),
             "ti_count_pkg.sv": counters.package(self.values),
             "ti_counters.hpp": counters.header(self.values),
         }
@@ -92,9 +87,7 @@ class Configuration:
     def files(self) -> dict[str, str]:
         """Name and text of all files."""
         return self.files_of_machine() | {
-            "config.json": config_forms.config_json(
-                self.schema, self.name, self.machine, self.values
-            ),
+            "config.json": config_forms.config_json(self.schema, self.name, self.values),
             "config.schema.json": config_forms.json_schema(self.schema),
         }
 

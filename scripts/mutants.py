@@ -196,7 +196,8 @@ class Copy:
         if status != 0:
             raise UselessError("the engine does not build")
         build = Path("build", configure.load("tiny", overrides.split()).folder)
-        command = [build / "engine/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command = [ROOT / "build/sw/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command += ["--rtl", build / "engine/libti_rtl.so"]
         command += ["--config", build / "config.json", "--scene", scene]
         command += ["--rays", "random:3000", "--out", "build/trace", *options]
         report = self.folder / "build/trace/report.json"

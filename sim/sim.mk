@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds `ti` with the RTL as an engine in the folder `engine`, whose `config` scripts/configure.py wrote.
+# Builds the RTL as a library in the folder `engine`, whose `config` scripts/configure.py wrote.
 # Run by scripts/build_engine.sh, in the environment of the Makefile.
 
 SHELL := /bin/bash
@@ -8,36 +8,38 @@ MAKEFLAGS += --no-print-directory
 .SUFFIXES:
 .DELETE_ON_ERROR:
 
+q = '$(subst ','\'',$($(1)))'
 config := $(engine)/config
 verilated := $(engine)/verilated
-ti := $(engine)/ti
-what := $(notdir $(engine))
+library := $(engine)/libti_rtl.so
+what ?= $(notdir $(engine))
 cxx := $(shell sed -n 1p build/setup.stamp)
 rtl_sources := $(wildcard rtl/*.sv rtl/*/*.sv rtl/*/*.svh rtl/*/*/*.sv) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
-harness := $(patsubst sim/%.cpp,$(engine)/obj/%.o,$(wildcard sim/*.cpp)) $(engine)/obj/main.o
+harness := $(patsubst sim/%.cpp,$(engine)/obj/%.o,$(wildcard sim/*.cpp))
 
 # Without -fno-dfg and -fno-table the instances of a unit would not share their code (sim.vlt).
 VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 -fno-dfg -fno-table \
-  --x-assign fast --x-initial unique $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
+  --x-assign fast --x-initial unique -CFLAGS '-fPIC -fvisibility=hidden' $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
 MODEL_FLAGS := OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2
-HARNESS_FLAGS := -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
+HARNESS_FLAGS := -std=c++20 -O2 -g1 -fPIC -fvisibility=hidden -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
   -Isw -Isim -Ibuild/sw/generated -I$(config) -I$(verilated)
 verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)
 verilator_includes = -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
-LIBRARIES := $(if $(wildcard /usr/include/embree4),-lembree4,-lembree3) \
-  -lassimp -lfmt -lzstd -lz -lgmpxx -lgmp -pthread -latomic
+LINK_FLAGS := -shared -Wl,-Bsymbolic -Wl,--exclude-libs,ALL
+LIBRARIES := -lfmt -pthread -latomic
 
-$(ti): $(harness) $(verilated)/stamp build/sw/libti_sw.a
-	@scripts/logged.sh $(engine)/link.log "build: $@" $(cxx) -o $@.part $(harness) \
+# The library that `ti` and the Python module load; it shows one symbol.
+$(library): $(harness) $(verilated)/stamp build/sw/libti_sw.a
+	@scripts/logged.sh $(engine)/link.log "build: $@" $(cxx) $(LINK_FLAGS) -o $@.part $(harness) \
 	  $(verilated)/libVti_engine.a $(verilated)/libverilated.a build/sw/libti_sw.a $(LIBRARIES)
 	@mv $@.part $@
 
 # With other flags or another compiler nothing that is there is of use.  Verilator would leave its
 # files, and so their objects, alone as long as their text is the same.
-flags := $(cxx) $(shell verilator --version) $(VERILATOR_FLAGS) $(MODEL_FLAGS) $(HARNESS_FLAGS) $(LIBRARIES)
+flags := $(cxx) $(shell verilator --version) $(VERILATOR_FLAGS) $(MODEL_FLAGS) $(HARNESS_FLAGS) $(LINK_FLAGS) $(LIBRARIES)
 $(engine)/flags: FORCE
-	@[[ -f $@ && '$(flags)' == "$$(<$@)" ]] || \
-	  { rm -rf $(verilated) $(engine)/obj $(ti) && printf '%s\n' '$(flags)' >$@; }
+	@[[ -f $@ && $(call q,flags) == "$$(<$@)" ]] || \
+	  { rm -rf $(verilated) $(engine)/obj $(library) && printf '%s\n' $(call q,flags) >$@; }
 
 $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv sim/sim.mk $(engine)/flags
 	@scripts/logged.sh $(engine)/verilate.log "build: Verilator ($(what))" verilator $(VERILATOR_FLAGS) \
@@ -48,8 +50,6 @@ $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count
 
 $(engine)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp $(config)/ti_counters.hpp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) $(verilator_includes) -c $< -o $@
-$(engine)/obj/main.o: sw/cli/main.cpp $(engine)/flags
-	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
 -include $(wildcard $(engine)/obj/*.d)
 
 FORCE:

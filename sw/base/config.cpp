@@ -94,7 +94,7 @@ Config load_config(const std::filesystem::path& path) {
   Reader reader(json, path.string());
   Config config;
   config.name = reader.text("name");
-  config.machine = reader.text("machine");
+  config.json = json.dump();
   std::apply([&](const auto&... rule) { (reader.read(rule, config), ...); }, kConfigRules);
   reader.end();
   config.format = {config.exp_bits, config.frac_bits};

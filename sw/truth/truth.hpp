@@ -27,6 +27,9 @@ struct TruthReport {
   std::uint64_t rays = 0, agree = 0, embree_wrong = 0, tie = 0, edge = 0, grazing = 0,
                 unexplained = 0;
   std::vector<std::string> examples;  ///< up to 8 unexplained rays, one paste-able line each
+
+  /// Those of other rays behind these.
+  TruthReport& operator+=(const TruthReport& other);
 };
 
 /// What is right: Embree away from edges, exact rational arithmetic where the two disagree.

@@ -98,7 +98,8 @@ def payloads():
 def configuration():
     """The configuration that `bench.run` built: the simulation runs in a folder below the build."""
     config = json.loads((Path.cwd().parent / "config/config.json").read_text())
-    return {key: value for key, value in config.items() if key not in ("name", "machine")}
+    config.pop("name")
+    return config
 
 
 def parameter(name, otherwise=0):

@@ -65,9 +65,8 @@ def test_a_wrong_configuration_is_refused_before_anything_is_built(change):
 def test_render_traces_on_the_rtl_and_writes_a_picture(out):
     run = make("render", out, SCENE="cornell", SIZE="16x16", DUMP=1, **TINY).good()
 
-    assert {path.name for path in out.iterdir()} == {
-        *("image.png", "report.json", "rays.npy", "hits.npy", "prims.npy")
-    }
+    dumped = {"rays.npy", "hits.npy", "prims.npy"}
+    assert dumped | {"image.png", "report.json"} <= {path.name for path in out.iterdir()}
     assert (run.report["engine"], run.report["config"], run.report["rays"]) == ("rtl", "tiny", 256)
     assert "0 mismatches in 256 rays" in run.stdout and "0 unexplained" in run.stdout
 

@@ -111,16 +111,22 @@ def test_only_what_was_asked_for_is_written(ti, tmp_path):
     ti.trace(tmp_path / "c/deep", CORNELL, "random:4").good()
 
     names = [{path.name for path in (tmp_path / x).iterdir()} for x in ("a", "b", "c/deep")]
-    assert names[0] == {"image.png", "report.json"}
-    assert names[1] == names[0] | {"rays.npy", "hits.npy", "prims.npy"}
+    assert names[0] == {"image.png", "steps.png", "tests.png", "report.json"}
+    assert names[1] == names[0] | {f"{x}.npy" for x in ("rays", "hits", "prims", "steps", "tests")}
     assert names[2] == {"report.json", "hits.npy", "prims.npy"}
 
 
 def other_config(program, folder, key, value):
     """The configuration of a program with another value, for the model alone to follow."""
-    keys = json.loads(program.config.read_text()) | {key: value}
+    keys = json.loads(program.config.read_text())
+    if program.library:  # whose copy then says that it has the value
+        said, lie = (f'"{key}": {x},'.encode() for x in (keys[key], value))
+        lie = lie.ljust(len(said))
+        whole = program.library.read_bytes()
+        assert whole.count(said) == 1
+        (folder / "libti_rtl.so").write_bytes(whole.replace(said, lie))
     path = folder / "config.json"
-    path.write_text(json.dumps(keys))
+    path.write_text(json.dumps(keys | {key: value}))
     return path
 
 
@@ -129,7 +135,8 @@ def other_config(program, folder, key, value):
 )
 def test_lock_step_finds_a_machine_that_is_not_the_model(tiny, tmp_path, out, key, value, says):
     config = other_config(tiny, tmp_path, key, value)
-    run = tiny.trace(out, CORNELL, "random:1000", "--no-truth", config=config).failed_its_checks()
+    options = ["--no-truth", "--rtl", tmp_path / "libti_rtl.so"]
+    run = tiny.trace(out, CORNELL, "random:1000", *options, config=config).failed_its_checks()
 
     check = run.report["check"]
     assert 0 < check["model_mismatches"] < 1000
@@ -141,14 +148,16 @@ def test_lock_step_finds_a_machine_that_is_not_the_model(tiny, tmp_path, out, ke
 def test_lock_step_finds_it_in_hard_cases_too(tiny, tmp_path):
     config = other_config(tiny, tmp_path, "watchdog_steps", 1)
     file = SCENES / "hardcases.jsonl"
-    run = tiny.run("hardcases", "--engine", "rtl", "--file", file, config=config)
+    options = ["--file", file, "--rtl", tmp_path / "libti_rtl.so"]
+    run = tiny.run("hardcases", "--engine", "rtl", *options, config=config)
 
     assert "0 mismatches" not in run.failed_its_checks().stdout.splitlines()[-1]
 
 
 def test_lock_step_is_off_only_by_name(tiny, tmp_path, out):
     config = other_config(tiny, tmp_path, "stack_depth", 1)
-    run = tiny.trace(out, CORNELL, "random:1000", "--no-lock-step", config=config).good()
+    options = ["--no-lock-step", "--rtl", tmp_path / "libti_rtl.so"]
+    run = tiny.trace(out, CORNELL, "random:1000", *options, config=config).good()
 
     assert not run.report["check"]["lock_step"]
     assert run.report["check"]["model_mismatches"] is None
