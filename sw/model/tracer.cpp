@@ -4,11 +4,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <limits>
 #include <mutex>
 #include <thread>
+#include <utility>
 
+#include "base/config_keys.hpp"
 #include "base/error.hpp"
 #include "model/fp.hpp"
 #include "model/ist1.hpp"
@@ -171,8 +174,9 @@ constexpr Builder kBuilder{
       return std::unique_ptr<Tracer>(std::make_unique<TracerOf<Fp<E, M>>>(image, options));
     }};
 
-constexpr std::array kBuilders{kBuilder<8, 23>, kBuilder<8, 20>, kBuilder<7, 16>, kBuilder<8, 16>,
-                               kBuilder<8, 13>, kBuilder<5, 10>, kBuilder<8, 10>};
+constexpr auto kBuilders = []<std::size_t... I>(std::index_sequence<I...>) {
+  return std::array{kBuilder<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>...};
+}(std::make_index_sequence<std::size(kModelFormats)>{});
 
 }  // namespace
 
@@ -193,8 +197,7 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
   }
   throw Error(
       fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it "
-                  "to kBuilders in "
-                  "sw/model/tracer.cpp",
+                  "to `formats` in configs/schema.yaml",
                   image.format().exp_bits, image.format().frac_bits, tracer_formats()));
 }
 

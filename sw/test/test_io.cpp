@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/config.hpp"
@@ -155,48 +156,57 @@ TEST_CASE("a picture has its size and is refused when its colours do not fill it
   CHECK_FALSE(std::filesystem::exists(dir / "q.png"));
 }
 
-constexpr const char* kConfig =
-    R"({"name": "odd", "exp_bits": 7, "frac_bits": 16, "num_trv": 3, "num_list": 1, "num_ist1": 2,
-        "trv_slots": 8, "stack_depth": 5, "line_bytes": 32, "deal_tile": 4,
-        "watchdog_steps": 999, "clock_mhz": 250, "more": [1]})";
+/// A configuration with all keys at their defaults, but for those of `changes`.
+nlohmann::json config_json(const nlohmann::json& changes = nlohmann::json::object()) {
+  nlohmann::json json{{"name", "odd"}};
+  const Config defaults;
+  std::apply([&](const auto&... rule) { ((json[rule.name] = defaults.*rule.member), ...); },
+             kConfigRules);
+  json.update(changes);
+  return json;
+}
 
 TEST_CASE("a configuration is read key by key") {
   const TempDir dir;
-  const Config c = load_config(dir.file("config.json", kConfig));
+  const nlohmann::json changes{{"exp_bits", 7},    {"frac_bits", 16},  {"num_trv", 3},
+                               {"trv_slots", 8},   {"stack_depth", 5}, {"watchdog_steps", 999},
+                               {"clock_mhz", 250}, {"counters", false}};
+  const nlohmann::json json = config_json(changes);
+  const Config c = load_config(dir.file("config.json", json.dump()));
   CHECK(c.name == "odd");
+  CHECK(nlohmann::json::parse(c.json) == json);
   CHECK(c.format == Format{7, 16});
   CHECK(c.num_trv == 3);
-  CHECK(c.num_list == 1);
-  CHECK(c.num_ist1 == 2);
-  CHECK(c.trv_slots == 8);
-  CHECK(c.stack_depth == 5);
-  CHECK(c.line_bytes == 32);
-  CHECK(c.deal_tile == 4);
-  CHECK(c.watchdog_steps == 999);
-  CHECK(c.clock_mhz == 250);
+  CHECK_FALSE(c.counters);
+  const auto same = [&](const auto& rule) {
+    const std::string key = rule.name;
+    INFO(key);
+    CHECK(json.at(key) == c.*rule.member);
+  };
+  std::apply([&](const auto&... rule) { (same(rule), ...); }, kConfigRules);
 }
 
-TEST_CASE("a configuration that lacks a key or has a wrong value is refused by its name") {
+TEST_CASE("a configuration with a missing, wrong or unknown key is refused by its name") {
   const TempDir dir;
-  const std::string good = kConfig;
-  const std::vector<std::string> keys{"name",       "exp_bits",  "frac_bits",      "num_trv",
-                                      "num_list",   "num_ist1",  "trv_slots",      "stack_depth",
-                                      "line_bytes", "deal_tile", "watchdog_steps", "clock_mhz"};
-  for (const std::string& key : keys) {
-    std::string text = good;
-    text.replace(text.find('"' + key + '"') + 1, key.size(), "other");
-    const auto path = dir.file("config.json", text);
-    check_error([&] { (void)load_config(path); }, {"config.json", "`" + key + "`", "missing"});
-  }
-  const auto with = [&](const std::string& from, const std::string& to) {
-    std::string text = good;
-    text.replace(text.find(from), from.size(), to);
-    return dir.file("config.json", text);
+  const nlohmann::json good = config_json();
+  const auto refused = [&](const nlohmann::json& json, const std::vector<std::string>& words) {
+    const auto path = dir.file("config.json", json.dump());
+    check_error([&] { (void)load_config(path); }, words);
   };
-  for (const char* value : {"2", "9", "7.5", "\"7\"", "null", "1e99"}) {
-    const auto path = with("\"exp_bits\": 7", std::string("\"exp_bits\": ") + value);
-    check_error([&] { (void)load_config(path); }, {"`exp_bits`", "from 3 to 8"});
+  for (const auto& [key, value] : good.items()) {
+    nlohmann::json json = good;
+    json.erase(key);
+    refused(json, {"config.json", "`" + key + "`", "missing"});
+    json = good;
+    json[key] = nullptr;
+    refused(json, {"config.json", "`" + key + "`", "must be"});
   }
+  refused(config_json({{"stack_deep", 1}}), {"config.json", "unknown key `stack_deep`"});
+  for (const nlohmann::json& value : nlohmann::json{2, 9, 7.5, "7", true, 1e99, -1}) {
+    refused(config_json({{"exp_bits", value}}), {"`exp_bits`", "from 3 to 8"});
+  }
+  refused(config_json({{"trv_slots", 24}}), {"`trv_slots`", "a power of two from 2 to 256"});
+  refused(config_json({{"counters", 1}}), {"`counters`", "true or false"});
   check_error([&] { (void)load_config(dir.file("c.json", "{\"name\": ")); }, {"not a JSON"});
   check_error([&] { (void)load_config(dir.file("c.json", "[]")); }, {"not a JSON"});
   check_error([&] { (void)load_config(dir / "none.json"); }, {"no such file"});

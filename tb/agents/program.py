@@ -104,8 +104,9 @@ class Program:
     path = ROOT / "build/sw/ti"
 
     def __init__(self, config, rtl=True):
-        self.config = ROOT / f"build/{config}/config/config.json"
-        self.library = ROOT / f"build/{config}/libti_rtl.so" if rtl else None
+        folder = ROOT / "build/config" / config
+        self.config = folder / "config.json"
+        self.library = folder / "engine/libti_rtl.so" if rtl else None
         self._engine = "rtl" if rtl else "model"
 
     def run(self, command, *arguments, config=None):

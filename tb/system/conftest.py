@@ -22,7 +22,7 @@ def built(*targets, **variables):
 @pytest.fixture(scope="session")
 def ti():
     """`ti` without RTL, for the configuration tiny."""
-    built("sw", "build/tiny/config/config.json", CONFIG="tiny")
+    built("sw", "config", CONFIG="tiny")
     return Program("tiny", rtl=False)
 
 
