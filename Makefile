@@ -18,8 +18,12 @@ IMAGE ?=
 SEED ?=
 RAY_WAVES ?=
 LOG_RAY ?=
+MEM ?=
 MEM_LATENCY ?=
 MEM_BANDWIDTH ?=
+SCENES ?=
+CORES ?=
+N ?=
 LIMIT ?=
 TEST ?=
 UNIT ?=
@@ -51,7 +55,7 @@ opt = $(if $(value $(2)),$(1) $(call q,$(2)))
 out = $(if $(value OUT),$(call q,OUT),$(1))
 
 # Folders of the configuration and of its engine: one call of Python, when a recipe first asks.
-overrides = $(foreach word,$(value SET),'$(subst ','\'',$(word))')
+overrides = $(foreach word,$(value SET) $(if $(value CORES),cores=$(value CORES)),'$(subst ','\'',$(word))')
 find_folders = $(shell PATH=$(call q,PATH) PYTHONPYCACHEPREFIX=build/pycache \
   python scripts/configure.py --build build -- $(call q,CONFIG) $(overrides))
 folders = $(eval folders := $$(find_folders))$(folders)
@@ -70,20 +74,34 @@ scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
 run_name = $(scene_name)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 common_args = --config $(config)/config.json --engine $(ENGINE) --scene $(scene) \
   $(call rtl,$(ENGINE)) $(call opt,--waves,RAY_WAVES) $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
-  $(call opt,--mem-latency,MEM_LATENCY) $(call opt,--mem-bytes-per-cycle,MEM_BANDWIDTH)
+  $(memory)
+# The memory behind the ports: MEM=latency,bytes is short for the two others.
+memory = $(call opt,--mem-latency,$(if $(value MEM),mem_latency,MEM_LATENCY)) \
+  $(call opt,--mem-bytes-per-cycle,$(if $(value MEM),mem_bytes,MEM_BANDWIDTH))
+mem_latency := $(word 1,$(subst $(comma), ,$(value MEM)))
+mem_bytes := $(word 2,$(subst $(comma), ,$(value MEM)))
+# What is measured unless SCENES= says it: the papers' scenes, or ours where those are not.
+papers_scenes := $(foreach s,conference sibenik crytek_sponza,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s)))
+bench_scenes = $(or $(value SCENES),$(papers_scenes),cornell knot)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 # Of the package in scripts/extra-packages.txt.
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
 ##@ Trace
-render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= MEM_LATENCY= MEM_BANDWIDTH= OUT= DUMP=1)
+render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= CORES= ENGINE= MEM=latency,bytes OUT= DUMP=1)
 	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name))
 
 trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
 	@$(ti) trace --rays $(call q,RAYS) $(common_args) \
 	  --out $(call out,build/trace/$(run_name)-"$$(scripts/scene.sh rays $(call q,RAYS))")
+
+bench: engine sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=latency,bytes N= SIZE= OUT=)
+	@python scripts/bench.py --config $(config)/config.json --library $(engine)/libti_rtl.so $(memory) \
+	  --scene $(foreach s,$(bench_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')") \
+	  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--count,N) \
+	  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE)) --out $(call out,build/bench/$(notdir $(config)))
 
 image: config build/sw/ti $(filter $(knot),$(SCENE:knot=$(knot))) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)
@@ -200,5 +218,5 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE render trace image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render trace bench image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
   format fp-volume tree-table setup clean help check-engine check-unit check-format model sanitized

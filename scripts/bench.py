@@ -49,8 +49,15 @@ class BenchError(Exception):
     """One sentence for the user."""
 
 
+class Parser(argparse.ArgumentParser):
+    """Says one sentence of what is wrong."""
+
+    def error(self, message: str) -> None:
+        raise BenchError(f"bench: {message}")
+
+
 def parse_arguments(words: list[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = Parser(description=__doc__.splitlines()[0])
     parser.add_argument("--config", type=Path, required=True, help="config.json of the machine")
     parser.add_argument("--library", type=Path, required=True, help="its libti_rtl.so")
     parser.add_argument("--scene", type=Path, nargs="+", required=True, help="scenes")
@@ -60,12 +67,15 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--samples", type=int, default=SAMPLES, help="secondary rays from a hit")
     parser.add_argument("--sample-primary", action="store_true", help="sample primary rays too")
     parser.add_argument("--mem-latency", type=int, default=100, help="cycles")
-    parser.add_argument("--mem-bandwidth", type=float, default=64.0, help="bytes a cycle")
+    parser.add_argument("--mem-bytes-per-cycle", type=float, default=64.0, help="bytes a cycle")
     parser.add_argument("--out", type=Path, required=True, help="folder of bench.json")
     arguments = parser.parse_args(words)
     for kind in arguments.rays:
         if kind not in KINDS:
             raise BenchError(f"RAYS={kind}: no such kind of rays; there are {', '.join(KINDS)}")
+    for scene in arguments.scene:
+        if not scene.is_file():
+            raise BenchError(f"SCENES={scene}: there is no such file or scene of the project")
     if not 1000 <= arguments.count <= 100_000_000:
         raise BenchError(f"N={arguments.count}: give 1000 to 100000000 rays")
     if not 1 <= arguments.samples <= 4096:
@@ -138,7 +148,7 @@ def measure(ti, path: Path, kind: str, arguments: argparse.Namespace) -> dict:
         "rtl",
         library=arguments.library,
         memory_latency=arguments.mem_latency,
-        memory_bytes_per_cycle=arguments.mem_bandwidth,
+        memory_bytes_per_cycle=arguments.mem_bytes_per_cycle,
     )
     warm_up = machine.trace(rays[: max(1, len(rays) // 20)], any_hit=any_hit)
     wave = machine.trace(rays, any_hit=any_hit)
@@ -176,7 +186,7 @@ def heading(arguments: argparse.Namespace, commit: str) -> dict:
         "count": arguments.count,
         "samples": arguments.samples,
         "sample_primary": arguments.sample_primary,
-        "memory": [arguments.mem_latency, arguments.mem_bandwidth],
+        "memory": [arguments.mem_latency, arguments.mem_bytes_per_cycle],
         "scenes": [scene.name for scene in arguments.scene],
         "rays": arguments.rays,
     }
