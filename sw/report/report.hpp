@@ -24,7 +24,7 @@ struct Request {
 
 /// What a run did: everything that `report.json` holds, in raw counts, so that waves add up.
 ///
-/// The JSON form is `schema/report.schema.json`, version `kVersion`. Two runs of one command differ
+/// The JSON form is `report.schema.json` beside this file, version `kVersion`. Two runs of one command differ
 /// only below `sim` and `time`.
 struct Report {
   static constexpr int kVersion = 1;

@@ -3,12 +3,14 @@
 
 import json
 
+import jsonschema
 import numpy as np
 import pytest
-from agents.program import SCENES
+from agents.program import ROOT, SCENES
 from PIL import Image
 
 CORNELL = SCENES / "cornell.gltf"
+SCHEMA = json.loads((ROOT / "sw/report/report.schema.json").read_text())
 KEYS = {  # a report has at least these, and below some of them at least those
     "config": None,
     "scene": None,
@@ -35,12 +37,53 @@ def picture(run):
 def test_the_report_has_every_key_whatever_the_engine(tiny, out, name):
     report = tiny.render(out, CORNELL, "--size", "12x8", engine=name).good().report
 
+    jsonschema.validate(report, SCHEMA)
     for key, below in KEYS.items():
         assert key in report
         if below and (name == "rtl" or key != "cache"):  # only the RTL has caches
             assert below <= set(report[key]), key
     assert (report["config"], report["scene"], report["engine"]) == ("tiny", "cornell", name)
     assert (report["triangles"], report["rays"]) == (38, 96)
+
+
+def test_two_runs_of_a_command_give_one_report_but_for_times(ti, tiny, tmp_path):
+    for name, program in {"rtl": tiny, "model": ti}.items():
+        a, b = (
+            program.trace(tmp_path / name / x, CORNELL, "inside:400", "--waves", 3).good().report
+            for x in "ab"
+        )
+        for report in (a, b):
+            jsonschema.validate(report, SCHEMA)
+            del report["sim"], report["time"]
+        assert a == b
+
+
+def test_a_report_says_what_it_was_made_from(tiny, out):
+    options = ["--size", "20x10", "--spp", 2, "--seed", 7, "--stall-seed", 3, "--layout", "dfl"]
+    report = tiny.render(out, CORNELL, *options).good().report
+
+    made = report["provenance"]
+    assert made["commit"] and (made["command"], made["scene"]) == ("render", "cornell.gltf")
+    assert (made["size"], made["spp"], made["seed"]) == ([20, 10], 2, 7)
+    assert (made["layout"], made["waves"]) == ("dfl", 1)
+    assert report["keys"] == json.loads(tiny.config.read_text())
+    assert report["switches"]["stall_seed"] == 3 and report["switches"]["lock_step"]
+    assert 0 < report["hits"] <= report["rays"] == 400
+
+
+def test_steps_and_tests_of_each_ray_add_up_to_those_of_the_machine(engine, out):
+    run = engine.render(out, CORNELL, "--size", "32x24", "--dump").good()
+    steps, tests = (np.load(out / f"{name}.npy").astype(int) for name in ("steps", "tests"))
+
+    report = run.report
+    assert steps.sum() == round(report["per_ray"]["steps"] * report["rays"])
+    assert tests.sum() == report["phase"]["a_tests"]
+    assert report["spread"]["steps"]["max"] == steps.max()
+    for name, counts in {"steps": steps, "tests": tests}.items():
+        colours = np.asarray(Image.open(out / f"{name}.png").convert("RGB"))
+        assert colours.shape == (24, 32, 3)
+        assert len(np.unique(colours.reshape(-1, 3), axis=0)) > 3, name
+        assert counts.max() > counts.min()
 
 
 def test_the_figures_of_a_report_agree_with_one_another(engine, stored, out):
