@@ -43,10 +43,12 @@ KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& op
                 0.0};
   if (triangles.empty()) return rules;
 
-  Box box{triangles[0][0], triangles[0][0]};
+  const Point first = point_of(triangles[0][0]);
+  Box box{first, first};
   double largest = 0.0;
   for (const Corners& corners : triangles) {
-    for (const Point& corner : corners) {
+    for (const glm::vec3& place : corners) {
+      const Point corner = point_of(place);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         box.lo[axis] = std::min(box.lo[axis], corner[axis]);
         box.hi[axis] = std::max(box.hi[axis], corner[axis]);

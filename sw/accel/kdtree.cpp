@@ -336,8 +336,10 @@ KdTree build_kd_tree(std::span<const Corners> triangles, const KdRules& rules) {
     Fragment& fragment = root.fragments[i];
     fragment.triangle = static_cast<std::uint32_t>(i);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto [lo, hi] =
-          std::minmax({triangles[i][0][axis], triangles[i][1][axis], triangles[i][2][axis]});
+      const auto at = [&](std::size_t corner) {
+        return double{triangles[i][corner][static_cast<int>(axis)]};
+      };
+      const auto [lo, hi] = std::minmax({at(0), at(1), at(2)});
       fragment.before[axis] = rules.grid.below(lo - rules.dilation);
       fragment.after[axis] = rules.grid.above(hi + rules.dilation);
     }

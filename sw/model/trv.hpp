@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "accel/image.hpp"
-#include "model/vec.hpp"
+#include "base/vec.hpp"
 
 namespace ti::model {
 
@@ -14,7 +14,7 @@ namespace ti::model {
 ///
 /// Bit-exact model of `ti_kd_step`.
 template <class F>
-[[nodiscard]] F split_distance(const ImageNode& node, const Vec<F>& o, const Vec<F>& inv) {
+[[nodiscard]] F split_distance(const ImageNode& node, const Vec3<F>& o, const Vec3<F>& inv) {
   return (F::from_bits(node.value) - o[node.axis()]) * inv[node.axis()];
 }
 

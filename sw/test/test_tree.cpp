@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "accel/build.hpp"
-#include "accel/format_grid.hpp"
+#include "base/format_grid.hpp"
 #include "accel/prepare.hpp"
 #include "base/error.hpp"
 #include "test/tree_walk.hpp"
@@ -38,7 +38,7 @@ void check_membership(const Mesh& mesh, const Image& image) {
   for (const Leaf& leaf : leaves(image)) {
     const Box wide = leaf.cell.grown(slack);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const Corners corners = corners_of(mesh, i);
+      const Corners corners = mesh.corners(i);
       const bool listed = std::binary_search(leaf.prims.begin(), leaf.prims.end(), i);
       if (listed != overlap(corners, leaf.cell)) {
         CAPTURE(i);
@@ -81,7 +81,7 @@ TEST_CASE("tree: one triangle flat on an axis stands inside a box of some thickn
     const Image image = build(mesh, stats);
     const Box box = scene_box(image);
     for (std::size_t i = 0; i < 3; ++i) {
-      for (const Point& corner : corners_of(mesh, 0)) {
+      for (const glm::vec3& corner : mesh.corners(0)) {
         CHECK(box.lo[i] < corner[i]);
         CHECK(corner[i] < box.hi[i]);
       }
@@ -172,7 +172,7 @@ TEST_CASE("tree: triangles that cannot be hit are dropped and counted, their nei
 
 TEST_CASE("tree: zero area is decided exactly") {
   const auto zero = [](double a, double b, double c, double d, double e, double f) {
-    return has_zero_area({Point{a, b, 0.25}, Point{c, d, 0.25}, Point{e, f, 0.25}});
+    return has_zero_area({glm::vec3{a, b, 0.25F}, {c, d, 0.25F}, {e, f, 0.25F}});
   };
   const double tenth = 0.1F;
   const double ulp = 0x1p-23;
@@ -205,9 +205,9 @@ TEST_CASE("tree: huge and tiny coordinates build") {
         leaf.cell.hi[axis] *= back;
       }
       for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        Corners corners = corners_of(mesh, i);
-        for (Point& corner : corners) {
-          for (double& x : corner) x *= back;
+        Corners corners = mesh.corners(i);
+        for (glm::vec3& corner : corners) {
+          corner *= static_cast<float>(back);
         }
         if (overlap(corners, leaf.cell)) {
           CHECK(std::binary_search(leaf.prims.begin(), leaf.prims.end(), i));
@@ -232,7 +232,7 @@ TEST_CASE("tree: far from the origin cells stay thicker than the spacing of the 
   for (const Leaf& leaf : leaves(image)) {
     CHECK(leaf.cell.hi[0] - leaf.cell.lo[0] >= 4 * 0.0625);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (!has_zero_area(corners_of(mesh, i)) && overlap(corners_of(mesh, i), leaf.cell)) {
+      if (!has_zero_area(mesh.corners(i)) && overlap(mesh.corners(i), leaf.cell)) {
         CHECK(std::binary_search(leaf.prims.begin(), leaf.prims.end(), i));
       }
     }
@@ -274,7 +274,7 @@ TEST_CASE(
     for (const ImagePlane& plane : image.planes()) kept[plane.prim] = true;
     for (const Leaf& leaf : leaves(image)) {
       for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        if (kept[i] && overlap(corners_of(rounded, i), leaf.cell)) {
+        if (kept[i] && overlap(rounded.corners(i), leaf.cell)) {
           CHECK(std::binary_search(leaf.prims.begin(), leaf.prims.end(), i));
         }
       }
