@@ -134,12 +134,12 @@ PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp, s
   return out;
 }
 
-std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
-                         int samples, float radius, std::uint64_t seed) {
+std::vector<Ray> ao_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
+                         std::span<const Hit> hits, int samples, float radius, std::uint64_t seed) {
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
-    const Surface s = surface_at(mesh, rays[i], hits[i]);
+    const Departure s = departure(mesh, rays[i], hits[i], format);
     Random random(seed, i);
     for (int k = 0; k < samples; ++k) {
       out.push_back(
@@ -149,23 +149,23 @@ std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<
   return out;
 }
 
-std::vector<Ray> diffuse_rays(const Mesh& mesh, std::span<const Ray> rays,
+std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
                               std::span<const Hit> hits, std::uint64_t seed) {
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
-    const Surface s = surface_at(mesh, rays[i], hits[i]);
+    const Departure s = departure(mesh, rays[i], hits[i], format);
     out.push_back({.o = s.origin, .d = glm::vec3(Random(seed, i).cosine(s.normal))});
   }
   return out;
 }
 
-std::vector<Ray> shadow_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
-                             std::span<const PointLight> lights) {
+std::vector<Ray> shadow_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
+                             std::span<const Hit> hits, std::span<const PointLight> lights) {
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
-    const Surface s = surface_at(mesh, rays[i], hits[i]);
+    const Departure s = departure(mesh, rays[i], hits[i], format);
     for (const PointLight& light : lights) {
       Ray ray{.o = s.origin, .d = light.position - s.origin, .tmax = kShadowEnd, .any = true};
       if (ray.d == glm::vec3(0.0F)) {  // the light is the point itself: nothing can be between
