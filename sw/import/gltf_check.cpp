@@ -146,6 +146,11 @@ class Checker {
         view.value("byteOffset", std::size_t{0}) + accessor->value("byteOffset", std::size_t{0});
     const std::size_t stride = view.value("byteStride", size);
     const std::string_view data = buffer(view.at("buffer"));
+    if (stride < size) {
+      throw Error(fmt::format(
+          "{}: the indices of {} have a byteStride of {}, and one takes {} bytes; export it again",
+          file_, place, stride, size));
+    }
     if (count == 0) return;
     if (start > data.size() || size > data.size() - start ||
         (count - 1) > (data.size() - start - size) / stride) {

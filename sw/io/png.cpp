@@ -13,13 +13,12 @@
 #include <stb/stb_image_write.h>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "io/file.hpp"
 
 namespace ti {
 
 namespace {
-
-constexpr int kMaxSide = 16384;  // keeps every size inside stb below 2^31
 
 /// IEC 61966-2-1 encoding of a linear value to 0..255; NaN becomes 0.
 unsigned char srgb(float linear) {
@@ -41,6 +40,8 @@ void save_png(const std::filesystem::path& path, std::span<const glm::vec3> line
     throw Error(fmt::format("{}: a picture of {}x{} cannot be written; choose 1 to {} a side",
                             path.string(), width, height, kMaxSide));
   }
+  check_ray_count(path.string(), static_cast<std::uint64_t>(width),
+                  static_cast<std::uint64_t>(height));
   if (linear.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
     throw Error(fmt::format("{}: {} colours do not fill {}x{} pixels; give one a pixel",
                             path.string(), linear.size(), width, height));

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/config.hpp"
+#include "base/limits.hpp"
 #include "io/file.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"
@@ -127,6 +128,13 @@ TEST_CASE("each malformed array is refused by what is wrong with it") {
   check_error([&] { (void)load_rays(dir / ""); }, {"folder"});
 }
 
+TEST_CASE("an array of more rays than a run holds is refused before it is read") {
+  const TempDir dir;
+  save_rays(dir / "a.npy", std::vector<Ray>(1));
+  std::filesystem::resize_file(dir / "a.npy", (kMaxRays + 5) * 32);  // a hole, which takes no room
+  check_error([&] { (void)load_rays(dir / "a.npy"); }, {"a.npy", "2^26"});
+}
+
 TEST_CASE("a file is replaced whole and nothing is left beside it") {
   const TempDir dir;
   write_file(dir / "x", "long old text");
@@ -152,6 +160,7 @@ TEST_CASE("a picture has its size and is refused when its colours do not fill it
   check_error([&] { save_png(dir / "q.png", colours, 2, 2); }, {"q.png", "2x2"});
   check_error([&] { save_png(dir / "q.png", {}, 0, 2); }, {"q.png", "0x2"});
   check_error([&] { save_png(dir / "q.png", {}, 1, 100000); }, {"100000"});
+  check_error([&] { save_png(dir / "q.png", {}, 16384, 8192); }, {"q.png", "2^26"});
   CHECK_FALSE(std::filesystem::exists(dir / "q.png"));
 }
 

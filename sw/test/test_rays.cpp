@@ -158,6 +158,8 @@ TEST_CASE("pictures and cameras that cannot be are refused") {
   check_error([&] { (void)primary_rays(camera, 4, -1, 1, 1); }, {"4x-1"});
   check_error([&] { (void)primary_rays(camera, 70000, 1, 1, 1); }, {"70000x1"});
   check_error([&] { (void)primary_rays(camera, 4, 4, 0, 1); }, {"0 rays a pixel"});
+  check_error([&] { (void)primary_rays(camera, 16384, 16384, 1, 1); }, {"16384x16384", "2^26"});
+  check_error([&] { (void)primary_rays(camera, 1024, 1024, 65, 1); }, {"SPP=65", "2^26"});
   camera.fov_y_deg = 180.0F;
   check_error([&] { (void)primary_rays(camera, 4, 4, 1, 1); }, {"180 degrees"});
   camera = square_camera();

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "accel/build.hpp"
-#include "base/format_grid.hpp"
 #include "accel/prepare.hpp"
 #include "base/error.hpp"
+#include "base/format_grid.hpp"
 #include "test/tree_walk.hpp"
 
 namespace ti {
