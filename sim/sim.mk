@@ -15,7 +15,7 @@ HARNESS_FLAGS = -std=c++20 -O2 -g1 -Wall -Wextra -Werror -ffp-contract=off -MMD 
   -Isw -Isim -I$(config) -I$(verilated) -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
 verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)
 LIBRARIES = $(if $(wildcard /usr/include/embree4),-lembree4,-lembree3) \
-  -lassimp -lfmt -lzstd -lz -lgmpxx -lgmp -pthread -latomic
+  -lassimp -lfmt -ltbb -lzstd -lz -lgmpxx -lgmp -pthread -latomic
 
 # Always run; rewrites only what changes, so that nothing is rebuilt without need.
 $(config)/config.json: FORCE | build/setup.stamp

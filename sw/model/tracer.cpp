@@ -3,13 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <atomic>
-#include <limits>
 #include <mutex>
-#include <thread>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "model/fp.hpp"
 #include "model/ist1.hpp"
 #include "model/ist2.hpp"
@@ -208,25 +205,14 @@ std::string tracer_formats() {
 }
 
 std::vector<HitBits> Tracer::trace(std::span<const Ray> rays, Work& work) const {
-  constexpr std::size_t kChunk = 1024;
   std::vector<HitBits> hits(rays.size());
-  std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  const auto worker = [&] {
+  parallel_pieces(rays.size(), 1024, [&](std::size_t first, std::size_t last) {
     Work mine;
-    for (;;) {
-      const std::size_t begin = next.fetch_add(kChunk);
-      if (begin >= rays.size()) break;
-      const std::size_t end = std::min(begin + kChunk, rays.size());
-      for (std::size_t i = begin; i < end; ++i) hits[i] = trace(rays[i], mine);
-    }
+    for (std::size_t i = first; i < last; ++i) hits[i] = trace(rays[i], mine);
     const std::lock_guard lock(mutex);
     work += mine;
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) threads.emplace_back(worker);
-  worker();
-  threads.clear();
+  });
   return hits;
 }
 

@@ -60,9 +60,10 @@ ordered_json check_json(const Session::Outcome& outcome) {
                      {"watchdog", outcome.with_status(Status::Watchdog)}};
   if (outcome.truth) {
     const TruthReport& truth = *outcome.truth;
-    check["truth"] = {{"agree", truth.agree},     {"embree_wrong", truth.embree_wrong},
-                      {"tie", truth.tie},         {"edge", truth.edge},
-                      {"grazing", truth.grazing}, {"unexplained", truth.unexplained}};
+    check["truth"] = {{"agree", truth.agree},      {"embree_wrong", truth.embree_wrong},
+                      {"tie", truth.tie},          {"edge", truth.edge},
+                      {"grazing", truth.grazing},  {"unexplained", truth.unexplained},
+                      {"unjudged", truth.unjudged}};
   }
   return check;
 }
@@ -195,6 +196,10 @@ void print_summary(const Session& session, const Session::Outcome& outcome, std:
         "overrules Embree, {} "
         "unexplained\n",
         truth.agree, truth.tie, truth.edge, truth.grazing, truth.embree_wrong, truth.unexplained);
+    if (truth.unjudged > 0) {
+      fmt::print("         {} disagreements with Embree are not judged: that would take too long\n",
+                 truth.unjudged);
+    }
     for (const std::string& example : truth.examples) fmt::print("  {}\n", example);
   }
 }
