@@ -27,14 +27,19 @@ using namespace ti;
 constexpr std::size_t kTriangles = 40;
 constexpr std::size_t kRays = 20000;
 
-/// Triangles of about `size`, tilted in all ways, with their centre at `middle`.
-Mesh tilted(double size, const glm::dvec3& middle, std::uint64_t seed) {
+/// Triangles of about `size`, tilted in all ways, with their centre at `middle`; `aspect` times as
+/// long as high, or any up to 10 for 0.
+Mesh tilted(double size, const glm::dvec3& middle, double aspect, std::uint64_t seed) {
   Mesh mesh;
   for (std::size_t i = 0; mesh.triangles.size() < kTriangles; ++i) {
     Random random(seed, i);
     const glm::dvec3 e0 = random.ball();
-    const glm::dvec3 e1 = random.ball();
-    if (glm::length(glm::cross(e0, e1)) < 0.2) continue;  // no slivers
+    glm::dvec3 e1 = random.ball();
+    if (glm::length(glm::cross(e0, e1)) < 0.2) continue;
+    if (aspect > 0.0) {
+      const glm::dvec3 across = glm::normalize(glm::cross(glm::cross(e0, e1), e0));
+      e1 = 0.4 * e0 + across * (glm::length(e0) / aspect);
+    }
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     const glm::dvec3 p = middle - size * (e0 + e1) / 3.0;
     mesh.vertices.insert(mesh.vertices.end(),
@@ -139,13 +144,14 @@ SelfHits self_hits(const Mesh& mesh, double size, bool grazing = false) {
 }
 
 template <class F>
-void check_none(double size, double away) {
+void check_none(double size, double away, double aspect = 0.0) {
+  CAPTURE(aspect);
   CAPTURE(F::kFracBits);
   CAPTURE(away);
   for (const bool grazing : {false, true}) {
     CAPTURE(grazing);
     const SelfHits count =
-        self_hits<F>(tilted(size, {away, -0.7 * away, 0.4 * away}, 1), size, grazing);
+        self_hits<F>(tilted(size, {away, -0.7 * away, 0.4 * away}, aspect, 1), size, grazing);
     CAPTURE(count.plane);
     CAPTURE(count.exact);
     CAPTURE(count.model);
@@ -170,9 +176,18 @@ TEST_CASE("no ray meets the small triangle that it leaves, far from the origin o
   check_none<Fp<5, 10>>(1.0, 4.0);
 }
 
+TEST_CASE("no ray meets the sliver that it leaves") {
+  check_none<Fp<8, 23>>(2000.0, 0.0, 0x1p19);
+  check_none<Fp<8, 23>>(2000.0, 0.0, 0x1p16);
+  check_none<Fp<7, 16>>(2000.0, 0.0, 0x1p12);
+  check_none<Fp<7, 16>>(2000.0, 0.0, 0x1p9);
+  check_none<Fp<5, 10>>(2000.0, 0.0, 0x1p6);
+  check_none<Fp<5, 10>>(2000.0, 0.0, 0x1p3);
+}
+
 TEST_CASE("rays leave in numbers of the engine's format") {
   const Format format{5, 10};
-  const Mesh mesh = tilted(1.0, {}, 3);
+  const Mesh mesh = tilted(1.0, {}, 0.0, 3);
   const Ray ray{.o = {0.0F, 0.0F, 5.0F}, .d = {0.0F, 0.0F, -1.0F}};
   const Hit hit{.t = 5.0F, .u = 0.3F, .v = 0.3F, .prim = 0};
   const Departure out = departure(mesh, ray, hit, format);
