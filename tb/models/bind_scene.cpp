@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "accel/build.hpp"
 #include "bind.hpp"
 #include "model/tracer.hpp"
-#include "accel/build.hpp"
 
 namespace ti {
 namespace {
