@@ -223,17 +223,18 @@ class RtlEngine final : public Engine {
 
   void set_scene(Vti_engine& top) const {
     const ImageHeader& header = image_.header();
+    const ImageParts& parts = image_.parts();
     std::fill(std::begin(top.scene_i.m_storage), std::end(top.scene_i.m_storage), 0U);
     Packer scene(top.scene_i.m_storage);
     for (const auto& corner : {header.box_hi, header.box_lo}) {
       for (std::uint32_t bits : corner) scene.put(bits, kFpWidth);
     }
     for (std::uint32_t offset :
-         {header.bary_offset, header.plane_offset, header.list_offset, header.node_offset}) {
+         {parts.bary_offset, parts.plane_offset, parts.list_offset, parts.node_offset}) {
       scene.put(Memory::kBase + offset, config::kAddrBits);
     }
-    scene.put(header.triangle_count, 29);
-    scene.put(header.list_count, 32);
+    scene.put(parts.triangle_count, 29);
+    scene.put(parts.list_count, 32);
     scene.put(header.root, 29);
   }
 

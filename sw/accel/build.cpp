@@ -20,7 +20,6 @@
 namespace ti {
 namespace {
 
-constexpr std::size_t kSectionAlign = 128;
 /// The scene box stands off the triangles by this share of the diagonal, and by this many units in
 /// the last place of the largest coordinate. Cells and dilation keep the latter distances too: see
 /// `docs/tree.md`.
@@ -43,10 +42,12 @@ KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& op
                 0.0};
   if (triangles.empty()) return rules;
 
-  Box box{triangles[0][0], triangles[0][0]};
+  const Point first = point_of(triangles[0][0]);
+  Box box{first, first};
   double largest = 0.0;
   for (const Corners& corners : triangles) {
-    for (const Point& corner : corners) {
+    for (const glm::vec3& place : corners) {
+      const Point corner = point_of(place);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         box.lo[axis] = std::min(box.lo[axis], corner[axis]);
         box.hi[axis] = std::max(box.hi[axis], corner[axis]);
@@ -156,17 +157,26 @@ void Emitter::place(std::uint32_t index, const Box& box, int depth) {
   }
 }
 
-std::size_t round_up(std::size_t bytes) {
-  return (bytes + kSectionAlign - 1) / kSectionAlign * kSectionAlign;
-}
+/// A section to be written.
+struct Section {
+  template <typename T>
+  Section(SectionKind what, const std::vector<T>& elements)
+      : kind(what), data(elements.data()), bytes(elements.size() * sizeof(T)), element(sizeof(T)) {}
+
+  SectionKind kind;
+  const void* data;
+  std::size_t bytes;
+  std::size_t element;
+};
 
 Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& options) {
-  const std::size_t node_offset = sizeof(ImageHeader);
-  const std::size_t list_offset = node_offset + round_up(parts.nodes.size() * sizeof(ImageNode));
-  const std::size_t plane_offset =
-      list_offset + round_up(parts.list.size() * sizeof(std::uint32_t));
-  const std::size_t bary_offset = plane_offset + round_up(parts.planes.size() * sizeof(ImagePlane));
-  const std::size_t size = bary_offset + round_up(parts.barys.size() * sizeof(ImageBary));
+  const std::array sections{
+      Section(SectionKind::Nodes, parts.nodes), Section(SectionKind::List, parts.list),
+      Section(SectionKind::Planes, parts.planes), Section(SectionKind::Barys, parts.barys)};
+  const std::size_t first =
+      section_end(sizeof(ImageHeader) + sections.size() * sizeof(ImageSection));
+  std::size_t size = first;
+  for (const Section& section : sections) size += section_end(section.bytes);
   if (size > std::numeric_limits<std::uint32_t>::max() || parts.nodes.size() >> 29U != 0) {
     throw Error(
         "mesh: the memory image would have " + std::to_string(size) + " bytes and " +
@@ -179,13 +189,7 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   header.exp_bits = static_cast<std::uint8_t>(options.format.exp_bits);
   header.frac_bits = static_cast<std::uint8_t>(options.format.frac_bits);
   header.layout = static_cast<std::uint8_t>(options.layout);
-  header.node_offset = static_cast<std::uint32_t>(node_offset);
-  header.node_count = static_cast<std::uint32_t>(parts.nodes.size());
-  header.list_offset = static_cast<std::uint32_t>(list_offset);
-  header.list_count = static_cast<std::uint32_t>(parts.list.size());
-  header.plane_offset = static_cast<std::uint32_t>(plane_offset);
-  header.bary_offset = static_cast<std::uint32_t>(bary_offset);
-  header.triangle_count = static_cast<std::uint32_t>(parts.planes.size());
+  header.section_count = static_cast<std::uint32_t>(sections.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.box_lo[axis] = round_to_bits(options.format, rules.box.lo[axis]);
     header.box_hi[axis] = round_to_bits(options.format, rules.box.hi[axis]);
@@ -196,10 +200,17 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
     if (count > 0) std::memcpy(bytes.data() + offset, data, count);
   };
   put(0, &header, sizeof(header));
-  put(node_offset, parts.nodes.data(), parts.nodes.size() * sizeof(ImageNode));
-  put(list_offset, parts.list.data(), parts.list.size() * sizeof(std::uint32_t));
-  put(plane_offset, parts.planes.data(), parts.planes.size() * sizeof(ImagePlane));
-  put(bary_offset, parts.barys.data(), parts.barys.size() * sizeof(ImageBary));
+  std::size_t entry = sizeof(ImageHeader);
+  std::size_t offset = first;
+  for (const Section& section : sections) {
+    const ImageSection line{section.kind, static_cast<std::uint32_t>(offset),
+                            static_cast<std::uint32_t>(section.bytes),
+                            static_cast<std::uint32_t>(section.element)};
+    put(entry, &line, sizeof(line));
+    put(offset, section.data, section.bytes);
+    entry += sizeof(line);
+    offset += section_end(section.bytes);
+  }
   header.checksum = image_checksum(bytes);
   put(0, &header, sizeof(header));
   return Image(std::move(bytes), "built image");

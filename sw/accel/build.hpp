@@ -11,8 +11,7 @@ namespace ti {
 
 enum class Layout : std::uint8_t { Odfl = 0, Dfl = 1 };
 
-/// Costs and limits of the surface area heuristic. Defaults are the measured best of
-/// `docs/decisions.md`.
+/// Costs and limits of the surface area heuristic.
 struct BuildOptions {
   Format format;
   Layout layout = Layout::Odfl;

@@ -2,6 +2,7 @@
 #include "accel/clip.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -48,7 +49,7 @@ void cut(const Polygon& in, std::size_t axis, double plane, double sign, Polygon
 bool clipped_bounds(const Corners& triangle, const Box& box, Box& bounds) {
   Polygon first;
   Polygon second;
-  for (const Point& corner : triangle) first.add(corner);
+  for (const glm::vec3& corner : triangle) first.add(point_of(corner));
   Polygon* polygon = &first;
   Polygon* spare = &second;
 

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accel/image.hpp"
 
-#include <unistd.h>
 #include <zlib.h>
 
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <system_error>
@@ -16,6 +13,7 @@
 
 #include "accel/image_checksum.hpp"
 #include "base/error.hpp"
+#include "io/file.hpp"
 
 namespace ti {
 namespace {
@@ -23,8 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "an image is used as it stands in memory");
 
-constexpr std::uint32_t kVersion = 1;
-constexpr std::uint32_t kSectionAlign = 128;
+constexpr std::uint32_t kVersion = ImageHeader{}.version;
 
 std::string hex(std::uint32_t word) {
   constexpr const char* kDigits = "0123456789abcdef";
@@ -33,21 +30,28 @@ std::string hex(std::uint32_t word) {
   return text;
 }
 
-/// Checks one image; each failure is an `Error` that starts with the origin.
-class Checker {
- public:
-  Checker(const Image& image, const std::string& origin) : image_(image), origin_(origin) {}
+template <typename T>
+std::span<const T> elements(std::span<const std::uint8_t> bytes, std::uint32_t offset,
+                            std::uint32_t count) {
+  return {reinterpret_cast<const T*>(bytes.data() + offset), count};
+}
 
-  /// Everything that must hold before a span of a section may be made.
-  void check_frame() const;
+/// Checks one image; each failure is an `Error` that starts with the origin.
+class ImageChecker {
+ public:
+  ImageChecker(const Image& image, const std::string& origin) : image_(image), origin_(origin) {}
+
+  /// Everything that must hold before a span of a section may be made, and where they stand.
+  [[nodiscard]] ImageParts find_parts() const;
   void check_contents() const;
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(origin_ + ": " + what + ": the image is damaged, build it again");
   }
-  void check_section(const char* name, std::uint32_t offset, std::uint32_t count,
-                     std::uint32_t record) const;
+  void check_header() const;
+  void check_kinds() const;
+  void check_place(std::size_t number, const ImageSection& section) const;
   void check_nodes() const;
   void check_finite(const char* name, std::size_t index, std::uint32_t bits) const;
 
@@ -55,17 +59,7 @@ class Checker {
   const std::string& origin_;
 };
 
-void Checker::check_section(const char* name, std::uint32_t offset, std::uint32_t count,
-                            std::uint32_t record) const {
-  const std::uint64_t end = std::uint64_t{offset} + std::uint64_t{count} * record;
-  if (offset < sizeof(ImageHeader) || offset % kSectionAlign != 0 || end > image_.bytes().size()) {
-    fail("section of " + std::string(name) + " at byte " + std::to_string(offset) + " with " +
-         std::to_string(count) + " records does not fit in " +
-         std::to_string(image_.bytes().size()) + " bytes");
-  }
-}
-
-void Checker::check_frame() const {
+void ImageChecker::check_header() const {
   const std::size_t size = image_.bytes().size();
   if (size < sizeof(ImageHeader)) {
     fail("has " + std::to_string(size) + " bytes, a header has " +
@@ -78,7 +72,7 @@ void Checker::check_frame() const {
   if (header.version != kVersion) {
     throw Error(origin_ + ": version " + std::to_string(header.version) +
                 " at byte 4, this tool reads " + std::to_string(kVersion) +
-                ": build the image again");
+                ": build the image again by `make image`");
   }
   if (header.size_bytes != size) {
     fail("has " + std::to_string(size) + " bytes, its header says " +
@@ -92,19 +86,91 @@ void Checker::check_frame() const {
     fail("number format (" + std::to_string(header.exp_bits) + ", " +
          std::to_string(header.frac_bits) + ") at byte 16 is not between (3, 2) and (8, 23)");
   }
+  check_kinds();
   if (header.layout > 1)
-    fail("layout " + std::to_string(header.layout) + " at byte 18 is not 0 or 1");
-  check_section("nodes", header.node_offset, header.node_count, sizeof(ImageNode));
-  check_section("the list", header.list_offset, header.list_count, sizeof(std::uint32_t));
-  check_section("plane parts", header.plane_offset, header.triangle_count, sizeof(ImagePlane));
-  check_section("barycentric parts", header.bary_offset, header.triangle_count, sizeof(ImageBary));
-  if (header.root >= header.node_count) {
-    fail("root " + std::to_string(header.root) + " is not one of " +
-         std::to_string(header.node_count) + " nodes");
+    fail("layout " + std::to_string(header.layout) + " at byte 48 is not 0 or 1");
+}
+
+void ImageChecker::check_kinds() const {
+  const auto refuse = [this](const char* what, int kind, const char* known) {
+    throw Error(origin_ + ": its " + what + " is of kind " + std::to_string(kind) +
+                ", this tool reads " + known + ": build the image again by `make image`");
+  };
+  const ImageHeader& header = image_.header();
+  if (header.tree != TreeKind::Kd) refuse("tree", static_cast<int>(header.tree), "1 (kd)");
+  if (header.test != TestKind::Local)
+    refuse("triangle test", static_cast<int>(header.test), "1 (local)");
+}
+
+void ImageChecker::check_place(std::size_t number, const ImageSection& section) const {
+  const std::size_t first =
+      sizeof(ImageHeader) + std::size_t{image_.header().section_count} * sizeof(ImageSection);
+  const std::uint64_t end = std::uint64_t{section.offset} + section.bytes;
+  if (section.offset < first || section.offset % kSectionAlign != 0 ||
+      end > image_.bytes().size()) {
+    fail("section " + std::to_string(number) + " at byte " + std::to_string(section.offset) +
+         " with " + std::to_string(section.bytes) + " bytes does not fit in " +
+         std::to_string(image_.bytes().size()) + " bytes");
   }
 }
 
-void Checker::check_finite(const char* name, std::size_t index, std::uint32_t bits) const {
+ImageParts ImageChecker::find_parts() const {
+  check_header();
+  const std::size_t room = (image_.bytes().size() - sizeof(ImageHeader)) / sizeof(ImageSection);
+  const std::uint32_t count = image_.header().section_count;
+  if (count > room) {
+    fail("a table of " + std::to_string(count) + " sections at byte 52 does not fit in " +
+         std::to_string(image_.bytes().size()) + " bytes");
+  }
+  ImageParts parts;
+  std::uint32_t bary_count = 0;
+  struct Known {
+    SectionKind kind;
+    const char* name;
+    std::size_t element;
+    std::uint32_t& offset;
+    std::uint32_t& count;
+    bool found = false;
+  };
+  std::array known{
+      Known{SectionKind::Nodes, "nodes", sizeof(ImageNode), parts.node_offset, parts.node_count},
+      Known{SectionKind::List, "list", sizeof(std::uint32_t), parts.list_offset, parts.list_count},
+      Known{SectionKind::Planes, "plane parts", sizeof(ImagePlane), parts.plane_offset,
+            parts.triangle_count},
+      Known{SectionKind::Barys, "barycentric parts", sizeof(ImageBary), parts.bary_offset,
+            bary_count}};
+  const auto table = elements<ImageSection>(image_.bytes(), sizeof(ImageHeader), count);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const ImageSection& section = table[i];
+    check_place(i, section);
+    for (Known& part : known) {
+      if (part.kind != section.kind) continue;
+      if (part.found) fail(std::string("two sections have its ") + part.name);
+      if (section.element != part.element || section.bytes % part.element != 0) {
+        fail("section " + std::to_string(i) + " (" + part.name + ") has " +
+             std::to_string(section.bytes) + " bytes in elements of " +
+             std::to_string(section.element) + ", not of " + std::to_string(part.element));
+      }
+      part.found = true;
+      part.offset = section.offset;
+      part.count = section.bytes / section.element;
+    }
+  }
+  for (const Known& part : known) {
+    if (!part.found) fail(std::string("no section has its ") + part.name);
+  }
+  if (bary_count != parts.triangle_count) {
+    fail("has " + std::to_string(parts.triangle_count) + " plane parts and " +
+         std::to_string(bary_count) + " barycentric parts");
+  }
+  if (image_.header().root >= parts.node_count) {
+    fail("root " + std::to_string(image_.header().root) + " is not one of " +
+         std::to_string(parts.node_count) + " nodes");
+  }
+  return parts;
+}
+
+void ImageChecker::check_finite(const char* name, std::size_t index, std::uint32_t bits) const {
   const Format format = image_.format();
   const std::uint32_t exponent = (bits >> static_cast<unsigned>(format.frac_bits)) &
                                  ((1U << static_cast<unsigned>(format.exp_bits)) - 1U);
@@ -115,7 +181,7 @@ void Checker::check_finite(const char* name, std::size_t index, std::uint32_t bi
   }
 }
 
-void Checker::check_nodes() const {
+void ImageChecker::check_nodes() const {
   const auto nodes = image_.nodes();
   const std::size_t list_count = image_.list().size();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -135,7 +201,7 @@ void Checker::check_nodes() const {
   }
 }
 
-void Checker::check_contents() const {
+void ImageChecker::check_contents() const {
   const ImageHeader& header = image_.header();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     check_finite("lower bound of the scene box, axis", axis, header.box_lo[axis]);
@@ -148,9 +214,9 @@ void Checker::check_contents() const {
   check_nodes();
   const auto list = image_.list();
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i] >= header.triangle_count) {
+    if (list[i] >= image_.planes().size()) {
       fail("list entry " + std::to_string(i) + " names triangle " + std::to_string(list[i]) +
-           " of " + std::to_string(header.triangle_count));
+           " of " + std::to_string(image_.planes().size()));
     }
   }
   const auto planes = image_.planes();
@@ -167,12 +233,6 @@ void Checker::check_contents() const {
   }
 }
 
-template <typename T>
-std::span<const T> section(const std::vector<std::uint8_t>& bytes, std::uint32_t offset,
-                           std::uint32_t count) {
-  return {reinterpret_cast<const T*>(bytes.data() + offset), count};
-}
-
 }  // namespace
 
 std::uint32_t image_checksum(std::span<const std::uint8_t> bytes) {
@@ -186,51 +246,20 @@ std::uint32_t image_checksum(std::span<const std::uint8_t> bytes) {
 }
 
 Image::Image(std::vector<std::uint8_t> bytes, const std::string& origin)
-    : bytes_(std::move(bytes)) {
-  const Checker checker(*this, origin);
-  checker.check_frame();
-  checker.check_contents();
+    : bytes_(std::move(bytes)), parts_(ImageChecker(*this, origin).find_parts()) {
+  ImageChecker(*this, origin).check_contents();
 }
 
 Image Image::load(const std::filesystem::path& path) {
   const std::string origin = path.string();
-  std::error_code code;
-  const std::uintmax_t size = std::filesystem::file_size(path, code);
-  if (code) {
-    throw Error(origin + ": cannot be read (" + code.message() +
-                "): give the path of a memory image");
-  }
-  if (size > std::numeric_limits<std::uint32_t>::max()) {
+  std::error_code unknown;  // then `read_file` says why
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  if (!unknown && size > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(origin + ": has " + std::to_string(size) +
                 " bytes, an image has less than 4 GiB: give the path of a memory image");
   }
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-  std::ifstream file(path, std::ios::binary);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!file) throw Error(origin + ": cannot be read to its end: check the file and the disk");
-  return Image(std::move(bytes), origin);
-}
-
-void Image::save(const std::filesystem::path& path) const {
-  std::filesystem::path scratch = path;
-  scratch += ".part" + std::to_string(::getpid());
-  std::error_code code;
-  {
-    std::ofstream file(scratch, std::ios::binary | std::ios::trunc);
-    file.write(reinterpret_cast<const char*>(bytes_.data()),
-               static_cast<std::streamsize>(bytes_.size()));
-    file.close();
-    if (!file) {
-      std::filesystem::remove(scratch, code);
-      throw Error(path.string() + ": cannot be written: check that the folder exists and has room");
-    }
-  }
-  std::filesystem::rename(scratch, path, code);
-  if (code) {
-    const std::string reason = code.message();
-    std::filesystem::remove(scratch, code);
-    throw Error(path.string() + ": cannot be written (" + reason + "): give another path");
-  }
+  const std::string bytes = read_file(path);
+  return Image({bytes.begin(), bytes.end()}, origin);
 }
 
 const ImageHeader& Image::header() const {
@@ -240,19 +269,19 @@ const ImageHeader& Image::header() const {
 Format Image::format() const { return {header().exp_bits, header().frac_bits}; }
 
 std::span<const ImageNode> Image::nodes() const {
-  return section<ImageNode>(bytes_, header().node_offset, header().node_count);
+  return elements<ImageNode>(bytes_, parts_.node_offset, parts_.node_count);
 }
 
 std::span<const std::uint32_t> Image::list() const {
-  return section<std::uint32_t>(bytes_, header().list_offset, header().list_count);
+  return elements<std::uint32_t>(bytes_, parts_.list_offset, parts_.list_count);
 }
 
 std::span<const ImagePlane> Image::planes() const {
-  return section<ImagePlane>(bytes_, header().plane_offset, header().triangle_count);
+  return elements<ImagePlane>(bytes_, parts_.plane_offset, parts_.triangle_count);
 }
 
 std::span<const ImageBary> Image::barys() const {
-  return section<ImageBary>(bytes_, header().bary_offset, header().triangle_count);
+  return elements<ImageBary>(bytes_, parts_.bary_offset, parts_.triangle_count);
 }
 
 }  // namespace ti

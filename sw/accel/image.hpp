@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -12,32 +13,58 @@
 
 namespace ti {
 
-/// First 128 bytes of a memory image, little endian; `docs/memory-image.md` has the byte table.
-///
-/// Sections start at multiples of 128 bytes. Offsets and indices count from the first byte of the
-/// image.
+/// What kind of tree stands in an image.
+enum class TreeKind : std::uint8_t { Kd = 1 };
+
+/// Which test its triangle records are for.
+enum class TestKind : std::uint8_t { Local = 1 };
+
+/// First 64 bytes of a memory image, little endian; `docs/memory-image.md` has the byte table. The
+/// table of sections follows, `section_count` of `ImageSection`.
 struct ImageHeader {
   std::array<char, 4> magic{'T', 'I', 'I', 'M'};
-  std::uint32_t version = 1;
+  std::uint32_t version = 2;
   std::uint32_t checksum = 0;  ///< CRC-32 (zlib) of the whole image with this word 0
   std::uint32_t size_bytes = 0;
   std::uint8_t exp_bits = 8;
   std::uint8_t frac_bits = 23;
-  std::uint8_t layout = 0;  ///< 0 ODFL, 1 DFL
-  std::uint8_t reserved0 = 0;
-  std::uint32_t root = 0;  ///< node number of the root
-  std::uint32_t node_offset = 0;
-  std::uint32_t node_count = 0;
-  std::uint32_t list_offset = 0;
-  std::uint32_t list_count = 0;
-  std::uint32_t plane_offset = 0;         ///< plane parts, 32 bytes each
-  std::uint32_t bary_offset = 0;          ///< barycentric parts, 16 bytes each
-  std::uint32_t triangle_count = 0;       ///< records in the image
+  TreeKind tree = TreeKind::Kd;
+  TestKind test = TestKind::Local;
+  std::uint32_t root = 0;                 ///< node number of the root
   std::array<std::uint32_t, 3> box_lo{};  ///< scene box, padded outward, bits of the format
   std::array<std::uint32_t, 3> box_hi{};
-  std::array<std::uint32_t, 13> reserved1{};
+  std::uint8_t layout = 0;  ///< 0 ODFL, 1 DFL
+  std::array<std::uint8_t, 3> reserved0{};
+  std::uint32_t section_count = 0;
+  std::array<std::uint32_t, 2> reserved1{};
 };
-static_assert(sizeof(ImageHeader) == 128);
+static_assert(sizeof(ImageHeader) == 64);
+
+/// What stands in a section. A reader skips kinds that it does not know.
+enum class SectionKind : std::uint32_t { Nodes = 1, List = 2, Planes = 3, Barys = 4 };
+
+/// An entry of the table of sections. Sections start at multiples of 128 bytes, counted from the
+/// first byte of the image.
+struct ImageSection {
+  SectionKind kind{};
+  std::uint32_t offset = 0;
+  std::uint32_t bytes = 0;
+  std::uint32_t element = 0;  ///< bytes of one element
+};
+static_assert(sizeof(ImageSection) == 16);
+
+constexpr std::size_t kSectionAlign = 128;
+[[nodiscard]] constexpr std::size_t section_end(std::size_t bytes) {
+  return (bytes + kSectionAlign - 1) / kSectionAlign * kSectionAlign;
+}
+
+/// Where the sections of a kd-tree with records of the `local` test stand, and their elements.
+struct ImageParts {
+  std::uint32_t node_offset = 0, node_count = 0;
+  std::uint32_t list_offset = 0, list_count = 0;
+  std::uint32_t plane_offset = 0, bary_offset = 0;
+  std::uint32_t triangle_count = 0;  ///< records: plane parts and barycentric parts
+};
 
 /// kd-tree node, 8 bytes. Inner: `value` = split (bits of the format), `link` = other child << 3 |
 /// reorder flag << 2 | axis. Leaf: `value` = first entry in the list, `link` = count << 3 | 3. The
@@ -79,14 +106,14 @@ static_assert(sizeof(ImageBary) == 16);
 /// A memory image: the same bytes for the model, the RTL and a host.
 class Image {
  public:
-  /// Takes the bytes and checks them: magic, version, sizes, sections, checksum, every index.
-  /// Throws `Error` with a sentence that starts with `origin`.
+  /// Takes the bytes and checks them: magic, version, sizes, kinds, sections, checksum, every
+  /// index. Throws `Error` with a sentence that starts with `origin`.
   Image(std::vector<std::uint8_t> bytes, const std::string& origin);
 
   [[nodiscard]] static Image load(const std::filesystem::path& path);
-  void save(const std::filesystem::path& path) const;
 
   [[nodiscard]] const ImageHeader& header() const;
+  [[nodiscard]] const ImageParts& parts() const { return parts_; }
   [[nodiscard]] Format format() const;
   [[nodiscard]] std::span<const std::uint8_t> bytes() const { return bytes_; }
   [[nodiscard]] std::span<const ImageNode> nodes() const;
@@ -96,6 +123,7 @@ class Image {
 
  private:
   std::vector<std::uint8_t> bytes_;  // aligned to 8 by the allocator
+  ImageParts parts_;
 };
 
 }  // namespace ti

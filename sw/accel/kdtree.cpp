@@ -6,22 +6,22 @@
 #include <bit>
 #include <cstddef>
 #include <deque>
-#include <future>
+#include <exception>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "accel/image.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 
 namespace ti {
 namespace {
 
 /// Hard end of the depth of a tree whose leaves would hold more than `kMaxLeafCount` triangles.
 constexpr int kDepthEnd = 96;
-/// Cells of at least this many triangles are built by a thread of their own, down to `kForkDepth`.
+/// The upper part of a cell is a task of its own when it has at least this many triangles.
 constexpr std::size_t kForkSize = 20000;
-constexpr int kForkDepth = 1;
 /// Splits on the way down to a cell that may cost more than a leaf by the estimate, in the hope of
 /// better ones below.
 constexpr int kBadSplits = 1;
@@ -296,27 +296,31 @@ double Builder::build(Cell& cell, int depth, int bad_splits) {
   const std::size_t node = tree_.nodes.size();
   const std::size_t references = tree_.references.size();
   tree_.nodes.push_back({split.plane, static_cast<std::uint32_t>(split.axis), 0, 0});
-  const bool fork = depth < kForkDepth && above.fragments.size() >= kForkSize;
-  std::future<std::pair<KdTree, double>> other;
   const double below_share = below.box.half_area() / cell.box.half_area();
   const double above_share = above.box.half_area() / cell.box.half_area();
-  if (fork) {
-    other = std::async(std::launch::async, [this, depth, bad_splits, &upper = above] {
-      Builder builder(triangles_, rules_);
-      const double cost = builder.build(upper, depth + 1, bad_splits);
-      return std::pair(std::move(builder.tree()), cost);
-    });
-  }
+  double below_cost = 0.0;
+  double above_cost = 0.0;
   tree_.nodes[node].first = static_cast<std::uint32_t>(tree_.nodes.size());
-  double cost = rules_.step_cost + below_share * build(below, depth + 1, bad_splits);
-  tree_.nodes[node].second = static_cast<std::uint32_t>(tree_.nodes.size());
-  if (fork) {
-    auto [part, part_cost] = other.get();
-    append(std::move(part));
-    cost += above_share * part_cost;
+  if (above.fragments.size() >= kForkSize) {
+    Builder other(triangles_, rules_);
+    std::exception_ptr failure;  // the lower part's is thrown where both fail, as without tasks
+    parallel_both([&] { below_cost = build(below, depth + 1, bad_splits); },
+                  [&] {
+                    try {
+                      above_cost = other.build(above, depth + 1, bad_splits);
+                    } catch (...) {
+                      failure = std::current_exception();
+                    }
+                  });
+    if (failure) std::rethrow_exception(failure);
+    tree_.nodes[node].second = static_cast<std::uint32_t>(tree_.nodes.size());
+    append(std::move(other.tree()));
   } else {
-    cost += above_share * build(above, depth + 1, bad_splits);
+    below_cost = build(below, depth + 1, bad_splits);
+    tree_.nodes[node].second = static_cast<std::uint32_t>(tree_.nodes.size());
+    above_cost = build(above, depth + 1, bad_splits);
   }
+  const double cost = rules_.step_cost + below_share * below_cost + above_share * above_cost;
   if (cost >= leaf_cost && !too_many) {
     tree_.nodes.resize(node);
     tree_.references.resize(references);
@@ -336,8 +340,10 @@ KdTree build_kd_tree(std::span<const Corners> triangles, const KdRules& rules) {
     Fragment& fragment = root.fragments[i];
     fragment.triangle = static_cast<std::uint32_t>(i);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto [lo, hi] =
-          std::minmax({triangles[i][0][axis], triangles[i][1][axis], triangles[i][2][axis]});
+      const auto at = [&](std::size_t corner) {
+        return double{triangles[i][corner][static_cast<int>(axis)]};
+      };
+      const auto [lo, hi] = std::minmax({at(0), at(1), at(2)});
       fragment.before[axis] = rules.grid.below(lo - rules.dilation);
       fragment.after[axis] = rules.grid.above(hi + rules.dilation);
     }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accel/clip.hpp"
-#include "accel/format_grid.hpp"
+#include "base/format_grid.hpp"
 
 namespace ti {
 

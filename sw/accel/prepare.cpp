@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "base/vec.hpp"
 
 namespace ti {
 namespace {
@@ -73,8 +74,9 @@ double difference_of_products(double a, double b, double c, double d) {
 }
 
 Point edge(const Corners& corners, std::size_t end) {
-  return {corners[end][0] - corners[0][0], corners[end][1] - corners[0][1],
-          corners[end][2] - corners[0][2]};
+  const Point a = point_of(corners[0]);
+  const Point b = point_of(corners[end]);
+  return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
 }
 
 /// Computes the records; false when a constant is not finite in the format.
@@ -96,11 +98,12 @@ bool make_records(const Corners& corners, Format format, ImagePlane& plane, Imag
     finite = finite && std::isfinite(value_of_bits(format, bits));
     return bits;
   };
+  const Point origin = point_of(corners[0]);
   plane.nu = rounded(normal[u] / normal[w]);
   plane.nv = rounded(normal[v] / normal[w]);
-  plane.pu = rounded(corners[0][u]);
-  plane.pv = rounded(corners[0][v]);
-  plane.pw = rounded(corners[0][w]);
+  plane.pu = rounded(origin[u]);
+  plane.pv = rounded(origin[v]);
+  plane.pw = rounded(origin[w]);
   plane.axis = static_cast<std::uint32_t>(w);
   plane.prim = 0;
   plane.reserved = 0;
@@ -114,9 +117,9 @@ bool make_records(const Corners& corners, Format format, ImagePlane& plane, Imag
 }  // namespace
 
 bool has_zero_area(const Corners& corners) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t u = (axis + 1) % 3;
-    const std::size_t v = (axis + 2) % 3;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3;
+    const int v = (axis + 2) % 3;
     const Pair a = exact_sum(corners[1][u], -corners[0][u]);
     const Pair b = exact_sum(corners[2][v], -corners[0][v]);
     const Pair c = exact_sum(corners[1][v], -corners[0][v]);
@@ -139,18 +142,18 @@ PreparedTriangles prepare_triangles(const Mesh& mesh, Format format) {
   prepared.corners.reserve(mesh.triangles.size());
   prepared.planes.reserve(mesh.triangles.size());
   prepared.barys.reserve(mesh.triangles.size());
-  std::vector<Point> rounded(mesh.vertices.size());
+  std::vector<glm::vec3> rounded(mesh.vertices.size());
   for (std::size_t i = 0; i < rounded.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       // + 0: no -0
-      rounded[i][static_cast<std::size_t>(axis)] =
-          round_to(format, static_cast<double>(mesh.vertices[i][axis])) + 0.0;
+      rounded[i][axis] =
+          static_cast<float>(round_to(format, static_cast<double>(mesh.vertices[i][axis]))) + 0.0F;
     }
   }
 
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     Corners corners;
-    bool finite = true;
+    bool all_finite = true;
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::uint32_t index = mesh.triangles[i][corner];
       if (index >= rounded.size()) {
@@ -159,11 +162,11 @@ PreparedTriangles prepare_triangles(const Mesh& mesh, Format format) {
                     ": repair the mesh file");
       }
       corners[corner] = rounded[index];
-      for (const double x : corners[corner]) finite = finite && std::isfinite(x);
+      all_finite = all_finite && finite(corners[corner]);
     }
     ImagePlane plane{};
     ImageBary bary{};
-    if (!finite) {
+    if (!all_finite) {
       ++prepared.dropped_nonfinite;
     } else if (has_zero_area(corners)) {
       ++prepared.dropped_zero_area;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "accel/clip.hpp"
 #include "accel/image.hpp"
 #include "base/format.hpp"
 #include "scene/mesh.hpp"

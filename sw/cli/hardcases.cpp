@@ -19,10 +19,6 @@ namespace {
 
 constexpr Format kBinary32{8, 23};
 
-Corners corners_of(const Mesh& mesh, std::size_t triangle) {
-  return {mesh.vertex(triangle, 0), mesh.vertex(triangle, 1), mesh.vertex(triangle, 2)};
-}
-
 std::string ids_text(const std::vector<std::int32_t>& ids) {
   return fmt::format("{}", fmt::join(ids, " or "));
 }
@@ -39,7 +35,7 @@ std::string hit_text(const Hit& hit) {
 bool t_within_bound(const HardCase& c, const Hit& hit) {
   const BoundedOps ops(kBinary32);
   const auto constants =
-      test_constants(corners_of(c.mesh, static_cast<std::size_t>(hit.prim)), kBinary32);
+      test_constants(c.mesh.corners(static_cast<std::size_t>(hit.prim)), kBinary32);
   if (!constants || !std::isfinite(hit.t)) {
     return false;
   }
@@ -124,7 +120,7 @@ bool strictly_between(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c
 /// watertight there.
 bool has_t_junction(const Mesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Corners tri = corners_of(mesh, i);
+    const Corners tri = mesh.corners(i);
     for (std::size_t k = 0; k < 3; ++k) {
       for (const glm::vec3& p : mesh.vertices) {
         if (strictly_between(tri[k], p, tri[(k + 1) % 3])) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/ray_source.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "scene/geometry.hpp"
 #include "scene/rays.hpp"
 
@@ -20,6 +21,11 @@ constexpr std::array<std::string_view, 6> kKinds{"random", "inside",  "primary",
                                                  "ao",     "diffuse", "shadow"};
 constexpr int kAoSamples = 16;
 constexpr double kAoRadius = 0.05;  // of the diagonal
+
+bool is_word(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(),
+                                      [](char c) { return (c >= 'a' && c <= 'z') || c == '-'; });
+}
 
 /// At least `count` camera rays in a square frame.
 std::vector<Ray> camera_rays(const Scene& scene, std::size_t count, std::uint64_t seed) {
@@ -39,12 +45,12 @@ std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tr
   hits.reserve(rays.size());
   for (const HitBits& bits : model.trace(rays, work)) hits.push_back(hit_of(format, bits));
 
-  if (source.kind == "diffuse") return diffuse_rays(scene.mesh, rays, hits, seed);
-  if (source.kind == "shadow") return shadow_rays(scene.mesh, rays, hits, scene.lights);
+  if (source.kind == "diffuse") return diffuse_rays(scene.mesh, format, rays, hits, seed);
+  if (source.kind == "shadow") return shadow_rays(scene.mesh, format, rays, hits, scene.lights);
   const auto bounds = bounds_of(scene.mesh);
   const double diagonal = bounds ? bounds->diagonal() : 0.0;
-  return ao_rays(scene.mesh, rays, hits, kAoSamples, static_cast<float>(kAoRadius * diagonal),
-                 seed);
+  return ao_rays(scene.mesh, format, rays, hits, kAoSamples,
+                 static_cast<float>(kAoRadius * diagonal), seed);
 }
 
 }  // namespace
@@ -52,17 +58,19 @@ std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tr
 RaySource parse_ray_source(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string kind = text.substr(0, colon);
-  if (colon == std::string::npos || std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
-    if (text.empty())
-      throw Error("RAYS=: give a file rays.npy, or KIND:COUNT such as random:100000");
-    return {.file = text, .kind = {}, .count = 0};
+  if (text.empty()) throw Error("RAYS=: give a file rays.npy, or KIND:COUNT such as random:100000");
+  if (colon == std::string::npos || !is_word(kind)) return {.file = text, .kind = {}, .count = 0};
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
+    throw Error(fmt::format("RAYS={}: there is no kind `{}` of rays; the kinds are {}", text, kind,
+                            fmt::join(kKinds, ", ")));
   }
   std::size_t count = 0;
   const char* begin = text.data() + colon + 1;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(begin, end, count);
-  if (error != std::errc{} || stop != end || count < 1 || count > 1'000'000'000) {
-    throw Error(fmt::format("RAYS={}: the count after the colon must be 1 to 1000000000", text));
+  if (error != std::errc{} || stop != end || count < 1 || count > kMaxRays) {
+    throw Error(fmt::format("RAYS={}: the count after the colon must be 1 to {} (2^26, about 7 GB)",
+                            text, kMaxRays));
   }
   return {.file = {}, .kind = kind, .count = count};
 }

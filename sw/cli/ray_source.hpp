@@ -24,8 +24,9 @@ struct RaySource {
   std::size_t count = 0;
 };
 
-/// Reads the text of RAYS=. Throws `Error` for an empty text, an unknown kind or a count that is
-/// not 1 to 10^9.
+/// Reads the text of RAYS=. A word before a colon is a kind, so that a file of such a name needs
+/// its folder (`./a:1`). Throws `Error` for an empty text, an unknown kind or a count that is not 1
+/// to `kMaxRays`.
 [[nodiscard]] RaySource parse_ray_source(const std::string& text);
 
 /// The rays; `model` finds the hits that secondary rays start from. Secondary kinds may give fewer

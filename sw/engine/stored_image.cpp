@@ -49,8 +49,8 @@ void describe_tree(const Image& image, BuildStats& stats) {
       depth[i + 1] = depth[node.other()] = depth[i] + 1;
     }
   }
-  stats.nodes = image.header().node_count;
-  stats.references = image.header().list_count;
+  stats.nodes = image.parts().node_count;
+  stats.references = image.parts().list_count;
 }
 
 }  // namespace

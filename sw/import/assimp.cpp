@@ -7,6 +7,7 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "base/error.hpp"
@@ -37,7 +38,19 @@ aiMatrix4x4 world_of(const aiScene& ai, const aiString& name) {
 }
 
 using Triangles = std::vector<std::array<unsigned, 3>>;
-using Faces = std::vector<std::vector<unsigned>>;
+
+/// The corners of the faces of a mesh, one after the other; face f has those from `ends[f - 1]` (0
+/// for the first) to `ends[f]`.
+struct Faces {
+  std::vector<unsigned> corners;
+  std::vector<std::size_t> ends;
+
+  [[nodiscard]] std::size_t size() const { return ends.size(); }
+  [[nodiscard]] std::span<const unsigned> operator[](std::size_t f) const {
+    const std::size_t begin = f == 0 ? 0 : ends[f - 1];
+    return std::span(corners).subspan(begin, ends[f] - begin);
+  }
+};
 
 /// The faces of each mesh as the file has them. Throws when an index is out of range, which
 /// post-processing would not notice.
@@ -47,8 +60,9 @@ std::vector<Faces> faces_of(const aiScene& ai, const std::string& file) {
     const aiMesh& mesh = *ai.mMeshes[m];
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
       const aiFace& face = mesh.mFaces[f];
-      all[m].emplace_back(face.mIndices, face.mIndices + face.mNumIndices);
-      for (const unsigned index : all[m].back()) {
+      all[m].corners.insert(all[m].corners.end(), face.mIndices, face.mIndices + face.mNumIndices);
+      all[m].ends.push_back(all[m].corners.size());
+      for (const unsigned index : all[m][f]) {
         if (index < mesh.mNumVertices) continue;
         throw Error(
             fmt::format("{}: face {} of mesh {} has index {}, and there are {} vertices; "
@@ -61,11 +75,14 @@ std::vector<Faces> faces_of(const aiScene& ai, const std::string& file) {
 }
 
 bool has_polygons(const Faces& faces) {
-  return std::any_of(faces.begin(), faces.end(), [](const auto& f) { return f.size() > 3; });
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (faces[f].size() > 3) return true;
+  }
+  return false;
 }
 
 /// How many triangles a face makes; points and lines make none.
-std::size_t triangles_in(const std::vector<unsigned>& face) {
+std::size_t triangles_in(std::span<const unsigned> face) {
   return face.size() < 3 ? 0 : face.size() - 2;
 }
 
@@ -74,12 +91,15 @@ std::size_t triangles_in(const std::vector<unsigned>& face) {
 /// cross themselves, polygons are split into fans.
 Triangles split(const Faces& faces, const aiMesh& mesh, bool& fans) {
   std::size_t expected = 0;
-  for (const auto& face : faces) expected += std::max<std::size_t>(triangles_in(face), 1);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    expected += std::max<std::size_t>(triangles_in(faces[f]), 1);
+  }
   const bool fan = has_polygons(faces) && expected != mesh.mNumFaces;
   fans |= fan;
   Triangles triangles;
   std::size_t at = 0;  // in the triangulated mesh, where a point or line still is one face
-  for (const auto& face : faces) {
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const std::span<const unsigned> face = faces[f];
     const std::size_t count = triangles_in(face);
     for (std::size_t k = 0; k < count; ++k) {
       if (count == 1 || fan) {
@@ -102,8 +122,10 @@ class Converter {
     bool fans = false;
     for (unsigned m = 0; m < ai.mNumMeshes; ++m) {
       triangles_.push_back(split(faces[m], *ai.mMeshes[m], fans));
-      flat_.push_back(static_cast<std::size_t>(std::count_if(
-          faces[m].begin(), faces[m].end(), [](const auto& f) { return triangles_in(f) == 0; })));
+      flat_.push_back(0);
+      for (std::size_t f = 0; f < faces[m].size(); ++f) {
+        flat_.back() += triangles_in(faces[m][f]) == 0 ? 1 : 0;
+      }
     }
     if (fans) warn("polygons that cross themselves are split into fans");
   }

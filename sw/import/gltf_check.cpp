@@ -92,9 +92,9 @@ std::string decode_base64(std::string_view text) {
   return bytes;
 }
 
-class Checker {
+class GltfChecker {
  public:
-  Checker(const std::filesystem::path& path, const Json& json, std::string_view glb_data)
+  GltfChecker(const std::filesystem::path& path, const Json& json, std::string_view glb_data)
       : folder_(path.parent_path()), file_(path.string()), json_(json), glb_data_(glb_data) {}
 
   GltfSummary run() {
@@ -146,6 +146,11 @@ class Checker {
         view.value("byteOffset", std::size_t{0}) + accessor->value("byteOffset", std::size_t{0});
     const std::size_t stride = view.value("byteStride", size);
     const std::string_view data = buffer(view.at("buffer"));
+    if (stride < size) {
+      throw Error(fmt::format(
+          "{}: the indices of {} have a byteStride of {}, and one takes {} bytes; export it again",
+          file_, place, stride, size));
+    }
     if (count == 0) return;
     if (start > data.size() || size > data.size() - start ||
         (count - 1) > (data.size() - start - size) / stride) {
@@ -205,7 +210,7 @@ GltfSummary check_gltf(const std::filesystem::path& path) {
     throw Error(file + ": its JSON is not valid; the file is cut or damaged, export it again");
   }
   try {
-    return Checker(path, json, glb.data).run();
+    return GltfChecker(path, json, glb.data).run();
   } catch (const Json::exception& e) {
     throw Error(fmt::format(
         "{}: the glTF lacks something or has a wrong type ({}); export it again", file, e.what()));

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/vec.hpp"
 #include "import/import.hpp"
 #include "io/file.hpp"
 #include "scene/scene.hpp"
@@ -122,10 +123,6 @@ fs::path sidecar_of(const fs::path& path) {
   fs::path json = path;
   if (form_of(path) == Form::PlyZst) json.replace_extension();
   return json.replace_extension(".json");
-}
-
-bool finite(const glm::vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 void check_materials(Scene& scene, const std::string& file) {

@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "import/import.hpp"
 #include "io/file.hpp"
+#include "io/words.hpp"
 
 namespace ti {
 
@@ -17,23 +18,14 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r";
 
-/// The next word of `line`, which is shortened; empty at the end.
-std::string_view next_word(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-  const auto end = std::min(line.find_first_of(kBlank), line.size());
-  const std::string_view word = line.substr(0, end);
-  line.remove_prefix(end);
-  return word;
-}
-
-class Checker {
+class ObjChecker {
  public:
-  explicit Checker(const std::filesystem::path& path)
+  explicit ObjChecker(const std::filesystem::path& path)
       : folder_(path.parent_path()), file_(path.string()) {}
 
   void statement(std::string_view line, std::size_t number) {
     std::string_view rest = line;
-    const std::string_view key = next_word(rest);
+    const std::string_view key = next_word(rest, kBlank);
     if (key == "v") {
       vertex(rest, number);
     } else if (key == "f") {
@@ -60,11 +52,9 @@ class Checker {
   void vertex(std::string_view rest, std::size_t line) {
     ++vertices_;
     for (int i = 0; i < 3; ++i) {
-      std::string_view word = next_word(rest);
-      if (word.starts_with('+')) word.remove_prefix(1);
+      const std::string_view word = next_word(rest, kBlank);
       double value = 0.0;
-      const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), value);
-      if (ec != std::errc::invalid_argument && end == word.data() + word.size()) continue;
+      if (parse_number(word, value)) continue;
       throw Error(
           fmt::format("{}: line {}: a vertex has `{}` where 3 numbers are needed; export the "
                       "mesh again",
@@ -74,7 +64,8 @@ class Checker {
 
   void face(std::string_view rest, std::size_t line) {
     std::size_t corners = 0;
-    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+    for (std::string_view word = next_word(rest, kBlank); !word.empty();
+         word = next_word(rest, kBlank)) {
       if (word.front() == '#') break;
       std::int64_t index = 0;
       const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), index);
@@ -115,7 +106,7 @@ class Checker {
 
 ObjSummary check_obj(const std::filesystem::path& path) {
   const std::string text = read_file(path);
-  Checker checker(path);
+  ObjChecker checker(path);
   std::string joined;  // a statement that goes on over several lines, each but the last ending in a
                        // backslash
   std::size_t number = 0;

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <utility>
 
 #include "base/error.hpp"
 #include "import/import.hpp"
+#include "io/words.hpp"
 
 namespace ti {
 
@@ -44,23 +44,6 @@ constexpr std::array<TypeName, 16> kTypes{{
     {"float64", "double", 8},
 }};
 
-/// The next word of `text`, which is shortened; empty at the end.
-std::string_view next_word(std::string_view& text) {
-  text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
-  const auto end = std::min(text.find_first_of(kBlank), text.size());
-  const std::string_view word = text.substr(0, end);
-  text.remove_prefix(end);
-  return word;
-}
-
-template <typename T>
-bool parse(std::string_view word, T& value) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, ec] = std::from_chars(word.data(), word.data() + word.size(), value);
-  // A number too small or too large for a double is still a number.
-  return ec != std::errc::invalid_argument && end == word.data() + word.size();
-}
-
 class HeaderReader {
  public:
   HeaderReader(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
@@ -76,7 +59,8 @@ class HeaderReader {
       std::string_view rest = bytes_.substr(header_.body, end - header_.body);
       header_.body = end + 1;
       std::vector<std::string_view> words;
-      for (auto w = next_word(rest); !w.empty(); w = next_word(rest)) words.push_back(w);
+      for (auto w = next_word(rest, kBlank); !w.empty(); w = next_word(rest, kBlank))
+        words.push_back(w);
       if (line_ > 1 && !words.empty()) ended = statement(words);
     }
     if (header_.format.empty()) fail("the line `format` is missing");
@@ -116,7 +100,7 @@ class HeaderReader {
 
   void element(std::string_view name, std::string_view word) {
     std::uint64_t count = 0;
-    if (!parse(word, count)) fail(fmt::format("`{}` is not a count", word));
+    if (!parse_number(word, count)) fail(fmt::format("`{}` is not a count", word));
     constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
     if (count > std::min<std::uint64_t>(kMax, bytes_.size())) {
       fail(fmt::format("{} elements cannot be in a file of {} bytes", word, bytes_.size()));
@@ -199,7 +183,7 @@ class Body {
 
   void end() {
     const std::size_t left =
-        format_ == "ascii" ? next_word(bytes_).size() + bytes_.size() : bytes_.size();
+        format_ == "ascii" ? next_word(bytes_, kBlank).size() + bytes_.size() : bytes_.size();
     if (left == 0) return;
     throw Error(fmt::format("{}: {} bytes follow the last element; copy or export the file again",
                             file_, left));
@@ -207,10 +191,10 @@ class Body {
 
  private:
   double number() {
-    const std::string_view word = next_word(bytes_);
+    const std::string_view word = next_word(bytes_, kBlank);
     if (word.empty()) cut();
     double value = 0.0;
-    if (!parse(word, value)) {
+    if (!parse_number(word, value)) {
       throw Error(fmt::format("{}: {} {}: `{}` is not a number; export the mesh again", file_,
                               *element_, number_, word));
     }

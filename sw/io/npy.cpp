@@ -13,8 +13,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "io/file.hpp"
 
 namespace ti {
@@ -136,8 +138,11 @@ std::string_view bytes_of(const std::vector<T>& values) {
 }  // namespace
 
 std::vector<Ray> load_rays(const std::filesystem::path& path) {
-  const std::string file = read_file(path);
   const std::string name = path.string();
+  std::error_code unknown;  // then `read_file` says why
+  const std::uintmax_t size_of_file = std::filesystem::file_size(path, unknown);
+  if (!unknown) check_ray_count(name, size_of_file / (kRayFloats * sizeof(float)));
+  const std::string file = read_file(path);
   const std::string_view bytes = file;
   if (!bytes.starts_with(kMagic) || bytes.size() < 12) {
     throw Error(name + ": this is not a .npy file; write it with numpy.save");

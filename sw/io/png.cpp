@@ -13,12 +13,11 @@
 #include <stb/stb_image_write.h>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 
 namespace ti {
 
 namespace {
-
-constexpr int kMaxSide = 16384;  // keeps every size inside stb below 2^31
 
 /// IEC 61966-2-1 encoding of a linear value to 0..255; NaN becomes 0.
 unsigned char srgb(float linear) {
@@ -39,6 +38,8 @@ std::string png_of(std::span<const unsigned char> rgb, int width, int height) {
     throw Error(fmt::format("a picture of {}x{} cannot be written; choose 1 to {} a side", width,
                             height, kMaxSide));
   }
+  check_ray_count(fmt::format("a picture of {}x{}", width, height),
+                  static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height));
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   if (rgb.size() != 3 * pixels) {
     throw Error(fmt::format("{} values do not fill {}x{} pixels; give three a pixel", rgb.size(),

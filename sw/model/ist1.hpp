@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "accel/image.hpp"
-#include "model/vec.hpp"
+#include "base/vec.hpp"
 
 namespace ti::model {
 
@@ -50,8 +50,8 @@ template <class F>
 /// + aw with a = p - o. The cull by the best t is conservative: it holds only where the rounded t
 /// must exceed `tbest`.
 template <class F>
-[[nodiscard]] std::optional<AfterA<F>> pass_a(const ImagePlane& plane, const Vec<F>& o,
-                                              const Vec<F>& d, F tbest) {
+[[nodiscard]] std::optional<AfterA<F>> pass_a(const ImagePlane& plane, const Vec3<F>& o,
+                                              const Vec3<F>& d, F tbest) {
   const std::size_t w = plane.axis;
   const std::size_t u = (w + 1) % 3;
   const std::size_t v = (w + 2) % 3;
@@ -79,7 +79,7 @@ template <class F>
 /// Bit-exact model of `ti_ist1_pipe`, pass (b).
 template <class F>
 [[nodiscard]] std::optional<AfterB<F>> pass_b(const ImagePlane& plane, const ImageBary& bary,
-                                              const Vec<F>& d, const AfterA<F>& a) {
+                                              const Vec3<F>& d, const AfterA<F>& a) {
   const std::size_t u = (plane.axis + 1) % 3;
   const std::size_t v = (plane.axis + 2) % 3;
   const F du = d[u] * a.dett - a.audet;

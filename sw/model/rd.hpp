@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/vec.hpp"
+#include "base/vec.hpp"
 #include "scene/ray.hpp"
 
 namespace ti::model {
@@ -9,13 +9,13 @@ namespace ti::model {
 /// The scene box, padded by the builder.
 template <class F>
 struct Box {
-  Vec<F> lo, hi;
+  Vec3<F> lo, hi;
 };
 
 /// A ray in the number format.
 template <class F>
 struct FpRay {
-  Vec<F> o, d;
+  Vec3<F> o, d;
   F tmin, tmax;
   bool any = false;
 };
@@ -25,7 +25,7 @@ template <class F>
 struct Clipped {
   bool miss = false;
   Status status = Status::Ok;
-  Vec<F> inv;
+  Vec3<F> inv;
   F tmin, tmax;  ///< interval of the traversal, 0 <= tmin < tmax unless `miss`
 };
 

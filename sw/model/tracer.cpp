@@ -3,35 +3,35 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
-#include <atomic>
 #include <limits>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 #include "base/config_keys.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "model/fp.hpp"
-#include "model/ist1.hpp"
-#include "model/ist2.hpp"
+#include "model/kd_tree.hpp"
+#include "model/local_test.hpp"
 #include "model/rd.hpp"
-#include "model/trv.hpp"
 
 namespace ti {
 namespace {
 
-template <class F>
+/// A number format, a tree and a test make an engine; nothing of them is virtual.
+template <class F, class Tree, class Test>
 class TracerOf final : public Tracer {
  public:
+  using Number = F;
+  static constexpr TreeKind kTree = Tree::kKind;
+  static constexpr TestKind kTest = Test::kKind;
+
   TracerOf(const Image& image, const Options& options)
-      : options_(options),
-        root_(image.header().root),
-        nodes_(image.nodes()),
-        list_(image.list()),
-        planes_(image.planes()),
-        barys_(image.barys()) {
+      : limits_{static_cast<std::size_t>(options.stack_depth),
+                static_cast<std::uint32_t>(options.watchdog_steps)},
+        tree_(image),
+        test_(image) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box_.lo[axis] = F::from_bits(image.header().box_lo[axis]);
       box_.hi[axis] = F::from_bits(image.header().box_hi[axis]);
@@ -49,8 +49,20 @@ class TracerOf final : public Tracer {
     ray.any = given.any;
 
     const model::Clipped<F> clipped = clip(box_, ray);
-    if (clipped.miss) return miss(clipped.status, 0);
-    return walk(ray, clipped, work, log);
+    if (clipped.miss) return miss({clipped.status, 0});
+    Best best{ray.tmax, F{}, F{}};
+    const model::Walked walked = tree_.walk(
+        ray, clipped, limits_, work, log, [&](std::span<const std::uint32_t> records, F exit) {
+          test_leaf(records, ray, best, work);
+          return best.t <= exit || (ray.any && best.prim != kNoPrim);
+        });
+    HitBits hit = miss(walked);
+    if (walked.status != Status::Ok || best.prim == kNoPrim) return hit;
+    hit.t = ray.any ? 0 : best.t.bits();
+    hit.u = ray.any ? 0 : best.u.bits();
+    hit.v = ray.any ? 0 : best.v.bits();
+    hit.prim = ray.any ? 0 : static_cast<std::int32_t>(best.prim);
+    return hit;
   }
 
  private:
@@ -60,122 +72,52 @@ class TracerOf final : public Tracer {
   };
   static constexpr std::uint32_t kNoPrim = 0xffffffffU;
 
-  [[nodiscard]] static HitBits miss(Status status, std::uint32_t steps) {
+  [[nodiscard]] static HitBits miss(const model::Walked& walked) {
     HitBits hit;
     hit.t = F::kInfBits;
-    hit.status = status;
-    hit.steps = static_cast<std::uint16_t>(steps);
-    return hit;
-  }
-
-  [[nodiscard]] HitBits walk(const model::FpRay<F>& ray, const model::Clipped<F>& clipped,
-                             Work& work, const Log* log) const {
-    model::ShortStack<F> stack(static_cast<std::size_t>(options_.stack_depth));
-    F tmin = clipped.tmin;
-    F tmax = clipped.tmax;
-    Best best{ray.tmax, F{}, F{}};
-    std::uint32_t index = root_;
-    std::uint32_t steps = 0;
-
-    for (;;) {
-      ++work.steps;
-      if (steps >= static_cast<std::uint32_t>(options_.watchdog_steps))
-        return miss(Status::Watchdog, steps);
-      ++steps;
-      const ImageNode node = nodes_[index];
-      if (!node.is_leaf()) {
-        const F t = model::split_distance(node, ray.o, clipped.inv);
-        const auto [near, far] = model::ordered(node, index, clipped.inv[node.axis()].signbit());
-        const model::Side side = model::choose(t, tmin, tmax);
-        if (log) (*log)(fmt::format("node {} t {:08x} {}", index, t.bits(), name(side)));
-        index = side == model::Side::Far ? far : near;
-        if (side == model::Side::Both) {
-          stack.push({far, tmax});
-          tmax = t;
-        }
-        continue;
-      }
-
-      ++work.leaves;
-      const F exit = tmax;
-      if (log) (*log)(fmt::format("node {} leaf {} exit {:08x}", index, node.count(), exit.bits()));
-      if (node.count() != 0) {
-        ++work.full_leaves;
-        test_leaf(node, ray, best, work);
-      }
-      const bool has_hit = best.prim != kNoPrim;
-      if (best.t <= exit || (ray.any && has_hit)) break;
-      if (!stack.empty()) {
-        const auto top = stack.pop();
-        index = top.node;
-        tmin = exit;
-        tmax = top.tmax;
-      } else if (stack.dropped() && !(exit == clipped.tmax)) {
-        ++work.restarts;
-        stack.forget_dropped();
-        index = root_;
-        tmin = exit;
-        tmax = clipped.tmax;
-      } else {
-        break;
-      }
-    }
-
-    HitBits hit = miss(Status::Ok, steps);
-    if (best.prim == kNoPrim) return hit;
-    hit.t = ray.any ? 0 : best.t.bits();
-    hit.u = ray.any ? 0 : best.u.bits();
-    hit.v = ray.any ? 0 : best.v.bits();
-    hit.prim = ray.any ? 0 : static_cast<std::int32_t>(best.prim);
+    hit.status = walked.status;
+    hit.steps = static_cast<std::uint16_t>(walked.steps);
     return hit;
   }
 
   /// All triangles of a leaf, each with the best t from before the leaf.
-  void test_leaf(const ImageNode& leaf, const model::FpRay<F>& ray, Best& best, Work& work) const {
+  void test_leaf(std::span<const std::uint32_t> records, const model::FpRay<F>& ray, Best& best,
+                 Work& work) const {
     const F tbest = best.t;
-    for (std::uint32_t i = 0; i < leaf.count(); ++i) {
-      const std::uint32_t record = list_[leaf.value + i];
-      const ImagePlane& plane = planes_[record];
-      ++work.a_tests;
-      const auto a = model::pass_a(plane, ray.o, ray.d, tbest);
-      if (!a) continue;
-      ++work.b_tests;
-      const auto b = model::pass_b(plane, barys_[record], ray.d, *a);
-      if (!b) continue;
-      ++work.c_tests;
-      const auto c = model::pass_c(*b);
+    for (const std::uint32_t record : records) {
+      const auto c = test_.test(record, ray, tbest, work);
       if (!c || !(ray.tmin <= c->t)) continue;
-      if (c->t < best.t || (c->t == best.t && plane.prim < best.prim))
-        best = {c->t, c->u, c->v, plane.prim};
+      const std::uint32_t prim = test_.prim(record);
+      if (c->t < best.t || (c->t == best.t && prim < best.prim)) best = {c->t, c->u, c->v, prim};
     }
   }
 
-  [[nodiscard]] static const char* name(model::Side side) {
-    return side == model::Side::Near ? "near" : side == model::Side::Far ? "far" : "both";
-  }
-
-  Options options_;
-  std::uint32_t root_;
-  std::span<const ImageNode> nodes_;
-  std::span<const std::uint32_t> list_;
-  std::span<const ImagePlane> planes_;
-  std::span<const ImageBary> barys_;
+  model::WalkLimits limits_;
+  Tree tree_;
+  Test test_;
   model::Box<F> box_;
 };
 
-struct Builder {
+struct Maker {
   Format format;
-  std::unique_ptr<Tracer> (*create)(const Image&, const Tracer::Options&);
+  TreeKind tree;
+  TestKind test;
+  std::unique_ptr<Tracer> (*make)(const Image&, const Tracer::Options&);
 };
 
-template <int E, int M>
-constexpr Builder kBuilder{
-    Format{E, M}, [](const Image& image, const Tracer::Options& options) {
-      return std::unique_ptr<Tracer>(std::make_unique<TracerOf<Fp<E, M>>>(image, options));
-    }};
+template <class T>
+constexpr Maker kMaker{{T::Number::kExpBits, T::Number::kFracBits},
+                       T::kTree,
+                       T::kTest,
+                       [](const Image& image, const Tracer::Options& options) {
+                         return std::unique_ptr<Tracer>(std::make_unique<T>(image, options));
+                       }};
 
-constexpr auto kBuilders = []<std::size_t... I>(std::index_sequence<I...>) {
-  return std::array{kBuilder<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>...};
+template <class F>
+using KdLocal = TracerOf<F, model::KdTree<F>, model::LocalTest<F>>;
+
+constexpr auto kMakers = []<std::size_t... I>(std::index_sequence<I...>) {
+  return std::array{kMaker<KdLocal<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>>>...};
 }(std::make_index_sequence<std::size(kModelFormats)>{});
 
 }  // namespace
@@ -192,8 +134,16 @@ Work& Work::operator+=(const Work& other) {
 }
 
 std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& options) {
-  for (const Builder& builder : kBuilders) {
-    if (builder.format == image.format()) return builder.create(image, options);
+  if (options.stack_depth < 1 || options.stack_depth > model::kMaxStackDepth) {
+    throw Error(
+        fmt::format("the model has no short stack of {} entries: set `stack_depth`, 1 to {}",
+                    options.stack_depth, model::kMaxStackDepth));
+  }
+  for (const Maker& maker : kMakers) {
+    if (maker.format == image.format() && maker.tree == image.header().tree &&
+        maker.test == image.header().test) {
+      return maker.make(image, options);
+    }
   }
   throw Error(
       fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it "
@@ -203,33 +153,22 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
 
 std::string tracer_formats() {
   std::string text;
-  for (const Builder& builder : kBuilders) {
-    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", builder.format.exp_bits,
-                        builder.format.frac_bits);
+  for (const Maker& maker : kMakers) {
+    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", maker.format.exp_bits,
+                        maker.format.frac_bits);
   }
   return text;
 }
 
 std::vector<HitBits> Tracer::trace(std::span<const Ray> rays, Work& work) const {
-  constexpr std::size_t kChunk = 1024;
   std::vector<HitBits> hits(rays.size());
-  std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  const auto worker = [&] {
+  parallel_pieces(rays.size(), 1024, [&](std::size_t first, std::size_t last) {
     Work mine;
-    for (;;) {
-      const std::size_t begin = next.fetch_add(kChunk);
-      if (begin >= rays.size()) break;
-      const std::size_t end = std::min(begin + kChunk, rays.size());
-      for (std::size_t i = begin; i < end; ++i) hits[i] = trace(rays[i], mine);
-    }
+    for (std::size_t i = first; i < last; ++i) hits[i] = trace(rays[i], mine);
     const std::lock_guard lock(mutex);
     work += mine;
-  };
-  std::vector<std::jthread> threads;
-  for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) threads.emplace_back(worker);
-  worker();
-  threads.clear();
+  });
   return hits;
 }
 

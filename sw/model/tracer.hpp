@@ -2,28 +2,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "accel/image.hpp"
+#include "model/work.hpp"
 #include "scene/ray.hpp"
 
 namespace ti {
-
-/// Work that rays took; the same numbers from the model and the RTL, ray by ray.
-struct Work {
-  std::uint64_t steps = 0;        ///< nodes visited, leaves included
-  std::uint64_t leaves = 0;       ///< leaves visited
-  std::uint64_t full_leaves = 0;  ///< of these, with triangles
-  std::uint64_t restarts = 0;
-  std::uint64_t a_tests = 0, b_tests = 0, c_tests = 0;  ///< tests that took pass (a), (b), (c)
-
-  bool operator==(const Work&) const = default;
-  Work& operator+=(const Work& other);
-};
 
 /// A hit as the bits of the number format, for comparison in lock-step.
 struct HitBits {
@@ -43,14 +31,14 @@ class Tracer {
     int watchdog_steps = 65535;
   };
 
-  /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format that the model
-  /// is not built for.
+  /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format, tree or test
+  /// that the model is not built for, and for a stack that it has no room for.
   [[nodiscard]] static std::unique_ptr<Tracer> create(const Image& image, const Options& options);
   virtual ~Tracer() = default;
 
   /// One ray; adds to `work`. With `log`, hands one line a node visited to it (see
   /// `docs/step-log.md`). Safe to call from several threads.
-  using Log = std::function<void(const std::string&)>;
+  using Log = StepLog;
   [[nodiscard]] virtual HitBits trace(const Ray& ray, Work& work,
                                       const Log* log = nullptr) const = 0;
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "accel/image.hpp"
-#include "model/vec.hpp"
+#include "base/vec.hpp"
 
 namespace ti::model {
 
@@ -14,7 +15,7 @@ namespace ti::model {
 ///
 /// Bit-exact model of `ti_kd_step`.
 template <class F>
-[[nodiscard]] F split_distance(const ImageNode& node, const Vec<F>& o, const Vec<F>& inv) {
+[[nodiscard]] F split_distance(const ImageNode& node, const Vec3<F>& o, const Vec3<F>& inv) {
   return (F::from_bits(node.value) - o[node.axis()]) * inv[node.axis()];
 }
 
@@ -39,6 +40,9 @@ struct Children {
   return {node.other(), adjacent};
 }
 
+/// Deepest short stack that an engine can have; `configs/` stays within it.
+constexpr int kMaxStackDepth = 64;
+
 /// The newest `depth` entries; pushing on a full stack drops the oldest and remembers that it did.
 template <class F>
 class ShortStack {
@@ -48,31 +52,32 @@ class ShortStack {
     F tmax;
   };
 
+  /// `depth` from 1 to `kMaxStackDepth`.
   explicit ShortStack(std::size_t depth) : depth_(depth) {}
 
-  void clear() {
-    entries_.clear();
-    dropped_ = false;
-  }
   void push(Entry entry) {
-    if (entries_.size() == depth_) {
-      entries_.erase(entries_.begin());
+    entries_[top_] = entry;
+    top_ = top_ + 1 == depth_ ? 0 : top_ + 1;
+    if (count_ == depth_) {
       dropped_ = true;
+    } else {
+      ++count_;
     }
-    entries_.push_back(entry);
   }
   [[nodiscard]] Entry pop() {
-    const Entry top = entries_.back();
-    entries_.pop_back();
-    return top;
+    top_ = top_ == 0 ? depth_ - 1 : top_ - 1;
+    --count_;
+    return entries_[top_];
   }
-  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] bool dropped() const { return dropped_; }
   void forget_dropped() { dropped_ = false; }
 
  private:
+  std::array<Entry, kMaxStackDepth> entries_;  // a ring; the next entry goes to `top_`
   std::size_t depth_;
-  std::vector<Entry> entries_;
+  std::size_t top_ = 0;
+  std::size_t count_ = 0;
   bool dropped_ = false;
 };
 

@@ -92,9 +92,10 @@ ordered_json check_json(const Wave& total) {
                      {"watchdog", total.with_status(Status::Watchdog)}};
   if (total.truth) {
     const TruthReport& truth = *total.truth;
-    check["truth"] = {{"agree", truth.agree},     {"embree_wrong", truth.embree_wrong},
-                      {"tie", truth.tie},         {"edge", truth.edge},
-                      {"grazing", truth.grazing}, {"unexplained", truth.unexplained}};
+    check["truth"] = {{"agree", truth.agree},      {"embree_wrong", truth.embree_wrong},
+                      {"tie", truth.tie},          {"edge", truth.edge},
+                      {"grazing", truth.grazing},  {"unexplained", truth.unexplained},
+                      {"unjudged", truth.unjudged}};
   }
   return check;
 }

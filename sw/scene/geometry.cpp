@@ -2,20 +2,76 @@
 #include "scene/geometry.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+
+#include "base/format_grid.hpp"
+#include "base/vec.hpp"
 
 namespace ti {
 
 namespace {
 
-bool finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+using Triangle = std::array<glm::dvec3, 3>;
+
+/// Triangle `hit.prim` of the mesh.
+Triangle triangle_of(const Mesh& mesh, const Hit& hit) {
+  const auto& corner = mesh.triangles.at(static_cast<std::size_t>(hit.prim));
+  return {mesh.vertices[corner[0]], mesh.vertices[corner[1]], mesh.vertices[corner[2]]};
 }
 
-double largest(const glm::dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+Surface surface_of(const Triangle& p, const Ray& ray, const Hit& hit) {
+  const double u = hit.u;
+  const double v = hit.v;
+  const glm::dvec3 d = ray.d;
+  Surface s;
+  s.position = (1.0 - u - v) * p[0] + u * p[1] + v * p[2];
+  const glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
+  const double length = glm::length(n);
+  s.normal = length > 0.0 ? n / length : -glm::normalize(d);
+  if (glm::dot(s.normal, d) > 0.0) s.normal = -s.normal;
+  return s;
+}
+
+/// How far an origin must stand off the plane of its own triangle, along the unit normal n.
+///
+/// With r = 2^-(M+1), L the longest extent of the triangle along an axis, w the axis of the largest
+/// |n| and N = |n_u| + |n_v|, distances along n; second-order terms are in the constants.
+/// - The point. Its error is at most gamma_7 sum |b_i p_i| on each axis, projected on n (Pharr,
+///   Jakob, Humphreys, "Physically Based Rendering", 4th edition, 6.8.4), were it interpolated in
+///   the format. In double it is 2^-29 of that and 2^-50 |p_i| for 1 - u - v. The rest covers the
+///   neighbours, whose vertices are rounded too. Errors of u and v move the point within the plane
+///   only, as the three weights add up to 1.
+/// - Rounding the origin to the format moves it by up to 2 r |o| on each axis, always to the side
+/// of
+///   n: it needs nothing.
+/// - The sign of dett in pass (a). Its error is r (5 |nu au| + 5 |nv av| + 2 |aw|), where
+///   |aw| <= |nu au| + |nv av| in the plane: 7 r N L.
+/// - A grazing ray whose det comes out with the wrong sign. The error of det is
+///   r (4 |nu du| + 4 |nv dv| + |dw|) and that of the rounded direction the same with 1, hence
+///   7 r N D, D the largest |d|. Such a ray meets the plane after D t = offset / (7 r N). At
+///   three times L, so 21 r N L, it has left the triangle by more than pass (b) can be wrong.
+/// - Underflow adds less than 64 half units of the least subnormal, times 1 + L.
+double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal, Format format) {
+  const double r = std::ldexp(1.0, -format.frac_bits - 1);
+  const double gamma = 7.0 * r / (1.0 - 7.0 * r);
+  constexpr double kWeightError = 0x1p-50;  // of a double 1 - u - v, and what follows from it
+  constexpr double kTest = 32.0;            // 7 + 21, and the second order
+  constexpr double kUnderflow = 64.0;
+  const double least = std::ldexp(1.0, -format.bias() - format.frac_bits);
+  const std::array<double, 3> weight{1.0 - hit.u - hit.v, hit.u, hit.v};
+  const glm::dvec3 n = glm::abs(normal);
+  glm::dvec3 error(0.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    error += (gamma * std::abs(weight[i]) + kWeightError) * glm::abs(p[i]);
+  }
+  const glm::dvec3 extent =
+      glm::max(p[0], glm::max(p[1], p[2])) - glm::min(p[0], glm::min(p[1], p[2]));
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  const double across = n.x + n.y + n.z - std::max({n.x, n.y, n.z});
+  return glm::dot(n, error) + kTest * r * across * longest + kUnderflow * least * (1.0 + longest);
 }
 
 }  // namespace
@@ -42,24 +98,27 @@ glm::dvec3 area_vector(const Mesh& mesh, std::size_t i) {
 }
 
 Surface surface_at(const Mesh& mesh, const Ray& ray, const Hit& hit) {
-  const auto i = static_cast<std::size_t>(hit.prim);
-  const auto& corner = mesh.triangles.at(i);
-  const glm::dvec3 p0 = mesh.vertices[corner[0]];
-  const glm::dvec3 p1 = mesh.vertices[corner[1]];
-  const glm::dvec3 p2 = mesh.vertices[corner[2]];
-  const double u = hit.u;
-  const double v = hit.v;
-  const glm::dvec3 d = ray.d;
+  return surface_of(triangle_of(mesh, hit), ray, hit);
+}
 
-  Surface s;
-  s.position = (1.0 - u - v) * p0 + u * p1 + v * p2;
-  const glm::dvec3 n = area_vector(mesh, i);
-  const double length = glm::length(n);
-  s.normal = length > 0.0 ? n / length : -glm::normalize(d);
-  if (glm::dot(s.normal, d) > 0.0) s.normal = -s.normal;
-  const double scale = std::max(largest(s.position), largest(static_cast<double>(hit.t) * d));
-  s.origin = glm::vec3(s.position + s.normal * (16.0 * 0x1p-23 * scale));
-  return s;
+Departure departure(const Mesh& mesh, const Ray& ray, const Hit& hit, Format format) {
+  Triangle p = triangle_of(mesh, hit);
+  if (!(format == Format{})) {
+    for (glm::dvec3& corner : p) {
+      for (int axis = 0; axis < 3; ++axis) corner[axis] = round_to(format, corner[axis]);
+    }
+  }
+  const Surface s = surface_of(p, ray, hit);
+  const glm::dvec3 place = s.position + s.normal * stand_off(p, hit, s.normal, format);
+  const FormatGrid grid(format);
+  Departure out{.origin = {}, .normal = s.normal};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double n = s.normal[axis];
+    out.origin[axis] = n > 0.0   ? grid.at_least(place[axis])
+                       : n < 0.0 ? grid.at_most(place[axis])
+                                 : static_cast<float>(round_to(format, place[axis]));
+  }
+  return out;
 }
 
 }  // namespace ti

@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "base/format.hpp"
 #include "scene/mesh.hpp"
 #include "scene/ray.hpp"
 
@@ -24,17 +25,24 @@ struct Bounds {
 /// Cross product of two edges of triangle `i`: twice its area long, not normalised.
 [[nodiscard]] glm::dvec3 area_vector(const Mesh& mesh, std::size_t i);
 
-/// What a hit gives to whoever goes on from it. `hit.is_hit()` must hold; a primitive that the mesh
-/// does not have throws `std::out_of_range`.
+/// What shading needs of a hit. `hit.is_hit()` must hold; a primitive that the mesh does not have
+/// throws `std::out_of_range`.
 struct Surface {
   glm::dvec3 position;  ///< (1-u-v) p0 + u p1 + v p2
   glm::dvec3 normal;    ///< geometric, unit, on the side that the ray came from
-
-  /// `position` moved along `normal` by 16 * 2^-23 * max(|position|, |t d|), largest components: no
-  /// ray that leaves on that side meets its own triangle again (binary32; a narrower format needs
-  /// its own step).
-  glm::vec3 origin;
 };
 [[nodiscard]] Surface surface_at(const Mesh& mesh, const Ray& ray, const Hit& hit);
+
+/// Where rays leave a hit, for an engine of the number format `format`: on the triangle as that
+/// engine has it, its vertices rounded.
+///
+/// No ray from `origin` to the side of `normal` meets its own triangle again, neither exactly nor
+/// by the engine's test: `geometry.cpp` derives the distance. Holds for triangles whose longest
+/// side is less than 2^(M-4) times their height.
+struct Departure {
+  glm::vec3 origin;  ///< numbers of `format`
+  glm::dvec3 normal;
+};
+[[nodiscard]] Departure departure(const Mesh& mesh, const Ray& ray, const Hit& hit, Format format);
 
 }  // namespace ti

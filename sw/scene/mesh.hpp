@@ -9,6 +9,9 @@
 
 namespace ti {
 
+/// The three corners of a triangle.
+using Corners = std::array<glm::vec3, 3>;
+
 /// Triangles in the order of the mesh file; `triangles[i]` indexes `vertices` and is primitive i.
 struct Mesh {
   std::vector<glm::vec3> vertices;
@@ -17,6 +20,9 @@ struct Mesh {
 
   [[nodiscard]] glm::vec3 vertex(std::size_t triangle, int corner) const {
     return vertices[triangles[triangle][static_cast<std::size_t>(corner)]];
+  }
+  [[nodiscard]] Corners corners(std::size_t triangle) const {
+    return {vertex(triangle, 0), vertex(triangle, 1), vertex(triangle, 2)};
   }
 };
 

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "scene/geometry.hpp"
 #include "scene/random.hpp"
 
@@ -16,7 +17,6 @@ namespace ti {
 
 namespace {
 
-constexpr int kMaxSide = 65535;  // Morton codes of 2 x 16 bits
 constexpr int kMaxSpp = 65536;
 constexpr float kShadowEnd = 0.999F;
 
@@ -81,6 +81,11 @@ Frame frame_of(const Camera& camera) {
   return f;
 }
 
+std::uint64_t hits_in(std::span<const Hit> hits) {
+  return static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.is_hit(); }));
+}
+
 /// The largest divisor of `n` that is not above its square root: the columns of an even grid of n
 /// strata.
 int strata_columns(int n) {
@@ -101,6 +106,9 @@ PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp, s
   if (spp < 1 || spp > kMaxSpp) {
     throw Error(fmt::format("{} rays a pixel are not possible; choose 1 to {}", spp, kMaxSpp));
   }
+  check_ray_count(fmt::format("SIZE={}x{} SPP={}", width, height, spp),
+                  static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
+                  static_cast<std::uint64_t>(spp));
   const Frame frame = frame_of(camera);
   constexpr double kHalfRadian = 3.14159265358979323846 / 360.0;
   const double half_height = std::tan(static_cast<double>(camera.fov_y_deg) * kHalfRadian);
@@ -134,12 +142,13 @@ PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp, s
   return out;
 }
 
-std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
-                         int samples, float radius, std::uint64_t seed) {
+std::vector<Ray> ao_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
+                         std::span<const Hit> hits, int samples, float radius, std::uint64_t seed) {
+  check_ray_count("ambient occlusion", hits_in(hits), static_cast<std::uint64_t>(samples));
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
-    const Surface s = surface_at(mesh, rays[i], hits[i]);
+    const Departure s = departure(mesh, rays[i], hits[i], format);
     Random random(seed, i);
     for (int k = 0; k < samples; ++k) {
       out.push_back(
@@ -149,23 +158,24 @@ std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<
   return out;
 }
 
-std::vector<Ray> diffuse_rays(const Mesh& mesh, std::span<const Ray> rays,
+std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
                               std::span<const Hit> hits, std::uint64_t seed) {
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
-    const Surface s = surface_at(mesh, rays[i], hits[i]);
+    const Departure s = departure(mesh, rays[i], hits[i], format);
     out.push_back({.o = s.origin, .d = glm::vec3(Random(seed, i).cosine(s.normal))});
   }
   return out;
 }
 
-std::vector<Ray> shadow_rays(const Mesh& mesh, std::span<const Ray> rays, std::span<const Hit> hits,
-                             std::span<const PointLight> lights) {
+std::vector<Ray> shadow_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
+                             std::span<const Hit> hits, std::span<const PointLight> lights) {
+  check_ray_count("shadows", hits_in(hits), lights.size());
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
-    const Surface s = surface_at(mesh, rays[i], hits[i]);
+    const Departure s = departure(mesh, rays[i], hits[i], format);
     for (const PointLight& light : lights) {
       Ray ray{.o = s.origin, .d = light.position - s.origin, .tmax = kShadowEnd, .any = true};
       if (ray.d == glm::vec3(0.0F)) {  // the light is the point itself: nothing can be between

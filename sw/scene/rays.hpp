@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/format.hpp"
 #include "scene/ray.hpp"
 #include "scene/scene.hpp"
 
@@ -20,19 +21,22 @@ struct PrimaryRays {
 [[nodiscard]] PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp,
                                        std::uint64_t seed);
 
+/// Rays from hits start where `departure` says, for an engine of the number format `format`.
+
 /// Ambient occlusion: `samples` cosine-distributed any-hit rays of length `radius` from each hit;
 /// misses spawn none.
-[[nodiscard]] std::vector<Ray> ao_rays(const Mesh& mesh, std::span<const Ray> rays,
+[[nodiscard]] std::vector<Ray> ao_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
                                        std::span<const Hit> hits, int samples, float radius,
                                        std::uint64_t seed);
 
 /// One cosine-distributed closest-hit ray from each hit.
-[[nodiscard]] std::vector<Ray> diffuse_rays(const Mesh& mesh, std::span<const Ray> rays,
-                                            std::span<const Hit> hits, std::uint64_t seed);
+[[nodiscard]] std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format,
+                                            std::span<const Ray> rays, std::span<const Hit> hits,
+                                            std::uint64_t seed);
 
 /// One any-hit ray from each hit to each light, with tmax just short of the light.
-[[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, std::span<const Ray> rays,
-                                           std::span<const Hit> hits,
+[[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, Format format,
+                                           std::span<const Ray> rays, std::span<const Hit> hits,
                                            std::span<const PointLight> lights);
 
 /// `count` rays with origins uniform in a sphere around the mesh (1.2 of its radius) and directions

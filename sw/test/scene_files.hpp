@@ -13,10 +13,10 @@
 
 namespace ti::test {
 
-using Corners = std::array<std::uint32_t, 3>;
+using Face = std::array<std::uint32_t, 3>;
 
 /// A binary PLY of the form of the benchmark scenes; materials only when there are some.
-inline std::string ply(const std::vector<glm::vec3>& vertices, const std::vector<Corners>& faces,
+inline std::string ply(const std::vector<glm::vec3>& vertices, const std::vector<Face>& faces,
                        const std::vector<std::uint16_t>& materials = {}) {
   std::string s = "ply\nformat binary_little_endian 1.0\nelement vertex " +
                   std::to_string(vertices.size()) +
@@ -39,7 +39,7 @@ inline std::string zstd(const std::string& bytes) {
 }
 
 inline const std::vector<glm::vec3> kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-inline const std::vector<Corners> kFaces{{0, 1, 2}, {0, 0, 1}, {0, 2, 3}};
+inline const std::vector<Face> kFaces{{0, 1, 2}, {0, 0, 1}, {0, 2, 3}};
 
 inline constexpr const char* kAscii =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"

@@ -74,7 +74,7 @@ TEST_CASE("the exact results of every case are those of exact arithmetic") {
     const bool finite =
         std::isfinite(c.ray.o.x + c.ray.o.y + c.ray.o.z + c.ray.d.x + c.ray.d.y + c.ray.d.z);
     for (std::size_t i = 0; finite && i < c.mesh.triangles.size(); ++i) {
-      const Corners tri{c.mesh.vertex(i, 0), c.mesh.vertex(i, 1), c.mesh.vertex(i, 2)};
+      const Corners tri = c.mesh.corners(i);
       const auto met = test_constants(tri, kF32) ? exact_meeting(c.ray, tri) : std::nullopt;
       const double t = met ? to_double(met->t) : 0.0;
       if (!met || !(t >= double{c.ray.tmin} && t <= double{c.ray.tmax})) {

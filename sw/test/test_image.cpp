@@ -3,18 +3,19 @@
 // bounds.
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "accel/build.hpp"
 #include "accel/image_checksum.hpp"
 #include "base/error.hpp"
+#include "io/file.hpp"
+#include "test/support.hpp"
 #include "test/tree_walk.hpp"
 
 namespace ti {
@@ -46,19 +47,32 @@ Bytes with_word(Bytes bytes, std::size_t offset, std::uint32_t word) {
   return bytes;
 }
 
-ImageHeader header_of(const Bytes& bytes) {
-  ImageHeader header;
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  return header;
+/// Where entry `number` of the table of sections stands.
+constexpr std::size_t entry(std::size_t number) {
+  return sizeof(ImageHeader) + number * sizeof(ImageSection);
 }
 
-/// A folder of its own, removed at the end.
-struct Folder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("ti_test_image_" + std::to_string(::getpid()));
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
+/// The image with one more section of four bytes at its end, of that kind.
+Bytes with_section(Bytes bytes, std::uint32_t kind, std::uint32_t element = 4) {
+  const auto word = [&bytes](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof(value));
+    return value;
+  };
+  const auto put = [&bytes](std::size_t at, std::uint32_t value) {
+    std::memcpy(bytes.data() + at, &value, sizeof(value));
+  };
+  const std::uint32_t count = word(offsetof(ImageHeader, section_count));
+  bytes.insert(bytes.begin() + kSectionAlign, kSectionAlign, 0);  // room for a longer table
+  for (std::uint32_t i = 0; i < count; ++i) put(entry(i) + 4, word(entry(i) + 4) + kSectionAlign);
+  const ImageSection more{static_cast<SectionKind>(kind), static_cast<std::uint32_t>(bytes.size()),
+                          4, element};
+  std::memcpy(bytes.data() + entry(count), &more, sizeof(more));
+  bytes.resize(bytes.size() + kSectionAlign);
+  put(offsetof(ImageHeader, section_count), count + 1);
+  return with_word(bytes, offsetof(ImageHeader, size_bytes),
+                   static_cast<std::uint32_t>(bytes.size()));
+}
 
 }  // namespace
 
@@ -88,55 +102,85 @@ TEST_CASE("image: every other length is noticed") {
 
 TEST_CASE("image: the sentence names the place and the cure") {
   const Bytes good = small_image();
-  const ImageHeader header = header_of(good);
+  const ImageParts parts = Image(good, "a.tiim").parts();
   Bytes bad = good;
   bad[200] ^= 1U;
   CHECK(refusal(bad).find("does not match the bytes (") != std::string::npos);
   CHECK(refusal(bad).ends_with("the image is damaged, build it again"));
   CHECK(refusal(with_word(good, 4, 9)) ==
-        "a.tiim: version 9 at byte 4, this tool reads 1: build the image again");
+        "a.tiim: version 9 at byte 4, this tool reads 2: build the image again by `make image`");
+  CHECK(refusal(with_word(good, 4, 1)) ==
+        "a.tiim: version 1 at byte 4, this tool reads 2: build the image again by `make image`");
+  CHECK(refusal(with_word(good, 16, 0x01021708)) ==
+        "a.tiim: its tree is of kind 2, this tool reads 1 (kd): build the image again by `make "
+        "image`");
+  CHECK(refusal(with_word(good, 16, 0x09011708)) ==
+        "a.tiim: its triangle test is of kind 9, this tool reads 1 (local): build the image again "
+        "by `make image`");
   CHECK(refusal({}).find("has 0 bytes") != std::string::npos);
-  CHECK(refusal(with_word(good, offsetof(ImageHeader, root), header.node_count)).find("root") !=
+  CHECK(refusal(with_word(good, offsetof(ImageHeader, root), parts.node_count)).find("root") !=
         std::string::npos);
 }
 
 TEST_CASE("image: with a right checksum, every rule about the contents still holds") {
   const Bytes good = small_image();
-  const ImageHeader header = header_of(good);
   const Image image(good, "a.tiim");
+  const ImageParts parts = image.parts();
   REQUIRE_FALSE(image.nodes()[0].is_leaf());
-  const std::size_t root = header.node_offset;
+  const std::size_t root = parts.node_offset;
   const auto refused = [&](std::size_t offset, std::uint32_t word) {
     return !refusal(with_word(good, offset, word)).empty();
   };
-  CHECK(refused(root + 4, 0U << 3U));                 // child before its parent
-  CHECK(refused(root + 4, header.node_count << 3U));  // child outside
-  CHECK(refused(root, 0x7F800000U));                  // split at infinity
-  CHECK(refused(root, 0x7FC00000U));                  // no number
-  CHECK(refused(root + 4, 100000U << 3U | 3U));       // leaf over the limit
-  const std::size_t last = root + (std::size_t{header.node_count} - 1) * sizeof(ImageNode);
-  CHECK(refused(last, header.list_count));  // leaf outside the list
+  CHECK(refused(root + 4, 0U << 3U));                // child before its parent
+  CHECK(refused(root + 4, parts.node_count << 3U));  // child outside
+  CHECK(refused(root, 0x7F800000U));                 // split at infinity
+  CHECK(refused(root, 0x7FC00000U));                 // no number
+  CHECK(refused(root + 4, 100000U << 3U | 3U));      // leaf over the limit
+  const std::size_t last = root + (std::size_t{parts.node_count} - 1) * sizeof(ImageNode);
+  CHECK(refused(last, parts.list_count));  // leaf outside the list
   CHECK(refused(last, 0xFFFFFFFFU));
-  CHECK(refused(last + 4, (header.node_count - 1) << 3U));  // inner node at the end
-  CHECK(refused(header.list_offset, header.triangle_count));
-  CHECK(refused(header.plane_offset + offsetof(ImagePlane, axis), 3));
-  CHECK(refused(header.plane_offset + offsetof(ImagePlane, nu), 0x7F800000U));
-  CHECK(refused(header.bary_offset, 0xFF800000U));
-  CHECK(refused(16, 0x00001708U + 1));  // exponent bits 9
-  CHECK(refused(16, 0x00021708U));      // layout 2
-  for (const std::size_t place :
-       {offsetof(ImageHeader, node_offset), offsetof(ImageHeader, list_offset),
-        offsetof(ImageHeader, plane_offset), offsetof(ImageHeader, bary_offset)}) {
-    for (const std::uint32_t word : {0U, 64U, 129U, header.size_bytes, 0xFFFFFF80U}) {
-      CHECK(refused(place, word));
+  CHECK(refused(last + 4, (parts.node_count - 1) << 3U));  // inner node at the end
+  CHECK(refused(parts.list_offset, parts.triangle_count));
+  CHECK(refused(parts.plane_offset + offsetof(ImagePlane, axis), 3));
+  CHECK(refused(parts.plane_offset + offsetof(ImagePlane, nu), 0x7F800000U));
+  CHECK(refused(parts.bary_offset, 0xFF800000U));
+  CHECK(refused(16, 0x01011709U));  // exponent bits 9
+  CHECK(refused(48, 2));            // layout 2
+  for (std::size_t section = 0; section < 4; ++section) {
+    for (const std::uint32_t word : {0U, 64U, 129U, image.header().size_bytes, 0xFFFFFF80U}) {
+      CHECK(refused(entry(section) + offsetof(ImageSection, offset), word));
     }
+    for (const std::uint32_t word : {1U, 0xFFFFFFFFU, 0x20000000U}) {
+      CHECK(refused(entry(section) + offsetof(ImageSection, bytes), word));
+    }
+    for (const std::uint32_t word : {0U, 1U, 12U, 0xFFFFFFFFU}) {
+      CHECK(refused(entry(section) + offsetof(ImageSection, element), word));
+    }
+    CHECK(refused(entry(section), 77));  // none of its kind
+    CHECK(refused(entry(section), section == 0 ? 2 : 1));
   }
-  for (const std::size_t place :
-       {offsetof(ImageHeader, node_count), offsetof(ImageHeader, list_count),
-        offsetof(ImageHeader, triangle_count)}) {
-    CHECK(refused(place, 0xFFFFFFFFU));
-    CHECK(refused(place, 0x20000000U));
+  for (const std::uint32_t count : {0U, 3U, 5U, 0x10000000U, 0xFFFFFFFFU}) {
+    CHECK(refused(offsetof(ImageHeader, section_count), count));
   }
+}
+
+TEST_CASE("image: a section of an unknown kind is skipped, its place is checked") {
+  const Bytes good = small_image();
+  const Image image(good, "a.tiim");
+  const Bytes longer = with_section(good, 77, 1);
+  const Image more(longer, "a.tiim");
+  const auto same = [](auto a, auto b) {
+    return std::ranges::equal(std::as_bytes(a), std::as_bytes(b));
+  };
+  CHECK(same(image.nodes(), more.nodes()));
+  CHECK(same(image.list(), more.list()));
+  CHECK(same(image.planes(), more.planes()));
+  CHECK(same(image.barys(), more.barys()));
+  for (const std::uint32_t place : {0U, 64U, 128U, 0xFFFFFF80U}) {
+    CHECK_FALSE(
+        refusal(with_word(longer, entry(4) + offsetof(ImageSection, offset), place)).empty());
+  }
+  CHECK(refusal(with_section(good, 1, 8)).find("two sections have its nodes") != std::string::npos);
 }
 
 TEST_CASE("image: random bytes under a right checksum are refused or can be walked") {
@@ -168,21 +212,14 @@ TEST_CASE("image: random bytes under a right checksum are refused or can be walk
   CHECK(accepted < 3000);
 }
 
-TEST_CASE("image: a saved file is loaded as it was, and nothing else is left behind") {
-  const Folder folder;
+TEST_CASE("image: a written file is loaded as it was, anything else is refused") {
+  const test::TempDir folder;
   const Bytes good = small_image();
-  const Image image(good, "built");
-  const auto path = folder.path / "a.tiim";
-  image.save(path);
-  image.save(path);
-  CHECK(std::ranges::equal(Image::load(path).bytes(), good));
-  CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 1);
-  CHECK_THROWS_AS(image.save(folder.path / "none" / "a.tiim"), Error);
-  CHECK_THROWS_AS(image.save(folder.path), Error);
-  CHECK_THROWS_AS((void)Image::load(folder.path / "b.tiim"), Error);
-  CHECK_THROWS_AS((void)Image::load(folder.path), Error);
-  std::ofstream(folder.path / "empty.tiim");
-  CHECK_THROWS_AS((void)Image::load(folder.path / "empty.tiim"), Error);
+  write_file(folder / "a.tiim", {reinterpret_cast<const char*>(good.data()), good.size()});
+  CHECK(std::ranges::equal(Image::load(folder / "a.tiim").bytes(), good));
+  CHECK_THROWS_AS((void)Image::load(folder / "b.tiim"), Error);
+  CHECK_THROWS_AS((void)Image::load(folder / "."), Error);
+  CHECK_THROWS_AS((void)Image::load(folder.file("empty.tiim", "")), Error);
 }
 
 }  // namespace ti

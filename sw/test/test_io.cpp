@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/config.hpp"
+#include "base/limits.hpp"
 #include "io/file.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"
@@ -128,6 +129,13 @@ TEST_CASE("each malformed array is refused by what is wrong with it") {
   check_error([&] { (void)load_rays(dir / ""); }, {"folder"});
 }
 
+TEST_CASE("an array of more rays than a run holds is refused before it is read") {
+  const TempDir dir;
+  write_file(dir / "a.npy", rays_npy(std::vector<Ray>(1)));
+  std::filesystem::resize_file(dir / "a.npy", (kMaxRays + 5) * 32);  // a hole, which takes no room
+  check_error([&] { (void)load_rays(dir / "a.npy"); }, {"a.npy", "2^26"});
+}
+
 TEST_CASE("a file is replaced whole and nothing is left beside it") {
   const TempDir dir;
   write_file(dir / "x", "long old text");
@@ -153,7 +161,7 @@ TEST_CASE("a picture has its size and is refused when its colours do not fill it
   check_error([&] { (void)png_of(colours, 2, 2); }, {"2x2"});
   check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 0, 2); }, {"0x2"});
   check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 1, 100000); }, {"100000"});
-  CHECK_FALSE(std::filesystem::exists(dir / "q.png"));
+  check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 16384, 8192); }, {"2^26"});
 }
 
 /// A configuration with all keys at their defaults, but for those of `changes`.

@@ -127,9 +127,9 @@ TEST_CASE("a PLY of any form gives the triangles of its faces with their corners
   const TempDir dir;
   const Scene s = load_scene(dir.file("a.ply", kAscii));
   REQUIRE(s.mesh.triangles.size() == 5);
-  CHECK(s.mesh.triangles[0] == Corners{0, 1, 2});
-  CHECK(s.mesh.triangles[1] == Corners{0, 0, 1});
-  CHECK(s.mesh.triangles[4] == Corners{2, 2, 2});
+  CHECK(s.mesh.triangles[0] == Face{0, 1, 2});
+  CHECK(s.mesh.triangles[1] == Face{0, 0, 1});
+  CHECK(s.mesh.triangles[4] == Face{2, 2, 2});
   const Scene packed = load_scene(dir.file("b.ply.zst", zstd(kAscii)));
   CHECK(packed.name == "b");
   CHECK(packed.mesh.triangles == s.mesh.triangles);

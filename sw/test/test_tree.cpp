@@ -3,6 +3,7 @@
 // gives the same bytes.
 
 #include <doctest/doctest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <cmath>
 #include <limits>
@@ -10,9 +11,9 @@
 #include <vector>
 
 #include "accel/build.hpp"
-#include "accel/format_grid.hpp"
 #include "accel/prepare.hpp"
 #include "base/error.hpp"
+#include "base/format_grid.hpp"
 #include "test/tree_walk.hpp"
 
 namespace ti {
@@ -38,7 +39,7 @@ void check_membership(const Mesh& mesh, const Image& image) {
   for (const Leaf& leaf : leaves(image)) {
     const Box wide = leaf.cell.grown(slack);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const Corners corners = corners_of(mesh, i);
+      const Corners corners = mesh.corners(i);
       const bool listed = std::binary_search(leaf.prims.begin(), leaf.prims.end(), i);
       if (listed != overlap(corners, leaf.cell)) {
         CAPTURE(i);
@@ -81,7 +82,7 @@ TEST_CASE("tree: one triangle flat on an axis stands inside a box of some thickn
     const Image image = build(mesh, stats);
     const Box box = scene_box(image);
     for (std::size_t i = 0; i < 3; ++i) {
-      for (const Point& corner : corners_of(mesh, 0)) {
+      for (const glm::vec3& corner : mesh.corners(0)) {
         CHECK(box.lo[i] < corner[i]);
         CHECK(corner[i] < box.hi[i]);
       }
@@ -172,7 +173,7 @@ TEST_CASE("tree: triangles that cannot be hit are dropped and counted, their nei
 
 TEST_CASE("tree: zero area is decided exactly") {
   const auto zero = [](double a, double b, double c, double d, double e, double f) {
-    return has_zero_area({Point{a, b, 0.25}, Point{c, d, 0.25}, Point{e, f, 0.25}});
+    return has_zero_area({glm::vec3{a, b, 0.25F}, {c, d, 0.25F}, {e, f, 0.25F}});
   };
   const double tenth = 0.1F;
   const double ulp = 0x1p-23;
@@ -205,9 +206,9 @@ TEST_CASE("tree: huge and tiny coordinates build") {
         leaf.cell.hi[axis] *= back;
       }
       for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        Corners corners = corners_of(mesh, i);
-        for (Point& corner : corners) {
-          for (double& x : corner) x *= back;
+        Corners corners = mesh.corners(i);
+        for (glm::vec3& corner : corners) {
+          corner *= static_cast<float>(back);
         }
         if (overlap(corners, leaf.cell)) {
           CHECK(std::binary_search(leaf.prims.begin(), leaf.prims.end(), i));
@@ -232,7 +233,7 @@ TEST_CASE("tree: far from the origin cells stay thicker than the spacing of the 
   for (const Leaf& leaf : leaves(image)) {
     CHECK(leaf.cell.hi[0] - leaf.cell.lo[0] >= 4 * 0.0625);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (!has_zero_area(corners_of(mesh, i)) && overlap(corners_of(mesh, i), leaf.cell)) {
+      if (!has_zero_area(mesh.corners(i)) && overlap(mesh.corners(i), leaf.cell)) {
         CHECK(std::binary_search(leaf.prims.begin(), leaf.prims.end(), i));
       }
     }
@@ -274,7 +275,7 @@ TEST_CASE(
     for (const ImagePlane& plane : image.planes()) kept[plane.prim] = true;
     for (const Leaf& leaf : leaves(image)) {
       for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        if (kept[i] && overlap(corners_of(rounded, i), leaf.cell)) {
+        if (kept[i] && overlap(rounded.corners(i), leaf.cell)) {
           CHECK(std::binary_search(leaf.prims.begin(), leaf.prims.end(), i));
         }
       }
@@ -326,12 +327,16 @@ TEST_CASE("tree: records stand in the order in which leaves name them first") {
   CHECK(next == image.planes().size());
 }
 
-TEST_CASE("tree: the same mesh gives the same bytes, also when threads build it, and -0 is 0") {
-  Mesh mesh = soup(50000, 0.02F, 8);
+TEST_CASE("tree: the same mesh gives the same bytes, however many threads build it, and -0 is 0") {
+  const Mesh mesh = soup(60000, 0.01F, 8);  // tasks at two depths
   BuildStats stats;
-  const Image first = build(mesh, stats);
-  const Image second = build(mesh, stats);
-  CHECK(std::ranges::equal(first.bytes(), second.bytes()));
+  std::vector<std::uint8_t> first;
+  for (const std::size_t threads : {1U, 8U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Image image = build(mesh, stats);
+    if (first.empty()) first.assign(image.bytes().begin(), image.bytes().end());
+    CHECK(std::ranges::equal(image.bytes(), first));
+  }
   Mesh small = mesh_of({{0.0F, 0, 0}, {1, 0.0F, 0}, {0, 1, 0.0F}});
   const Image plus = build(small, stats);
   small.vertices[0].x = small.vertices[1].y = small.vertices[2].z = -0.0F;

@@ -2,15 +2,20 @@
 // Exact arithmetic gives the written results; the bounds hold what a format computes; the judge
 // excuses nothing else.
 #include <doctest/doctest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cfenv>
 #include <cmath>
 #include <limits>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "embree_devices.hpp"
 #include "portable_random.hpp"
 #include "reference_test.hpp"
+#include "support.hpp"
 #include "truth/truth.hpp"
 
 namespace {
@@ -143,6 +148,54 @@ TEST_CASE("Embree runs here with at least one instruction set, and leaves subnor
   }
   MESSAGE("Embree ran with" << ran);
   CHECK_FALSE(ran.empty());
+}
+
+TEST_CASE("tasks compute as the thread that starts them, and keep subnormals after Embree") {
+  const Truth truth(sphere(5), kF32);
+  std::atomic<int> others{0};
+  std::fesetround(FE_UPWARD);
+  parallel_pieces(1000, 1, [&](std::size_t, std::size_t) {
+    volatile float subnormal = 0x1p-140F;
+    for (int i = 0; i < 1000; ++i) subnormal = subnormal * 0.5F * 2.0F;
+    if (subnormal != 0x1p-140F || std::fegetround() != FE_UPWARD) ++others;
+  });
+  std::fesetround(FE_TONEAREST);
+  CHECK(others == 0);
+}
+
+TEST_CASE("disagreements beyond the limit are counted, the first ones are judged") {
+  std::vector<Ray> rays;
+  for (int i = 1; i <= 600; ++i) {  // every third on the edge that two triangles share
+    const float x = 0.003F * static_cast<float>(i);
+    rays.push_back(up(x, i % 3 == 0 ? x : x + 0.1F));
+  }
+  const Mesh mesh = two_squares();
+  std::vector<Hit> hits = Truth(mesh, kF32).trace(rays);
+  for (std::size_t i = 2; i < hits.size(); i += 3) hits[i] = {};
+  const auto judged = [](const TruthReport& r) {
+    return r.agree + r.edge + r.grazing + r.embree_wrong + r.tie + r.unexplained;
+  };
+  const TruthReport all = Truth(mesh, kF32).compare(rays, hits);
+  CHECK(all.unjudged == 0);
+  CHECK(judged(all) == 600);
+  const TruthReport quick = Truth(mesh, kF32, "", 0).compare(rays, hits);
+  CHECK(quick.unjudged > 100);
+  CHECK(judged(quick) == 600 - quick.unjudged);
+  for (const std::size_t threads : {1U, 4U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const TruthReport some = Truth(mesh, kF32, "", 4 * 50 + 3).compare(rays, hits);
+    CHECK(some.unjudged == quick.unjudged - 50);
+    CHECK(judged(some) == 600 - some.unjudged);
+  }
+}
+
+TEST_CASE("too many rays that Embree does not take are refused in place of a long wait") {
+  const std::vector<Ray> rays(3, Ray{.o = {0, 0, -1e19F}, .d = {0, 0, 1}});
+  CHECK(Truth(two_squares(), kF32, "", 4 * 3).trace(rays).size() == 3);
+  test::check_error([&] { (void)Truth(two_squares(), kF32, "", 4 * 2).trace(rays); },
+                    {"3 rays", "2 of them", "1.844e18"});
+  const std::vector<Hit> hits(3);
+  CHECK(Truth(two_squares(), kF32, "", 4 * 2).compare(rays, hits).unjudged == 1);
 }
 
 TEST_CASE(

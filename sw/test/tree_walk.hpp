@@ -112,7 +112,8 @@ inline bool overlap(const Corners& triangle, const Box& box) {
   const auto separated = [&](const Point& axis) {
     double lo = INFINITY;
     double hi = -INFINITY;
-    for (const Point& corner : triangle) {
+    for (const glm::vec3& place : triangle) {
+      const Point corner = point_of(place);
       const double x = axis[0] * corner[0] + axis[1] * corner[1] + axis[2] * corner[2];
       lo = std::min(lo, x);
       hi = std::max(hi, x);
@@ -132,7 +133,7 @@ inline bool overlap(const Corners& triangle, const Box& box) {
   std::array<Point, 3> edges{};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      edges[i][axis] = triangle[(i + 1) % 3][axis] - triangle[i][axis];
+      edges[i][axis] = point_of(triangle[(i + 1) % 3])[axis] - point_of(triangle[i])[axis];
     }
   }
   if (separated(cross(edges[0], edges[1]))) return false;
@@ -143,15 +144,6 @@ inline bool overlap(const Corners& triangle, const Box& box) {
     }
   }
   return true;
-}
-
-inline Corners corners_of(const Mesh& mesh, std::size_t triangle) {
-  Corners corners;
-  for (int corner = 0; corner < 3; ++corner) {
-    const glm::vec3 vertex = mesh.vertex(triangle, corner);
-    corners[static_cast<std::size_t>(corner)] = {vertex.x, vertex.y, vertex.z};
-  }
-  return corners;
 }
 
 }  // namespace ti

@@ -12,22 +12,16 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kDoubleUnit = 0x1p-52;      // covers one rounding of a double twice over
 constexpr double kSumSlack = 1.0 + 0x1p-40;  // for the few roundings of a bound itself
 
-bool finite(const Corners& triangle) {
-  return std::all_of(triangle.begin(), triangle.end(), [](const glm::vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-  });
-}
-
-std::array<double, 3> difference(const glm::vec3& a, const glm::vec3& b) {
+Point difference(const glm::vec3& a, const glm::vec3& b) {
   return {double{a.x} - double{b.x}, double{a.y} - double{b.y}, double{a.z} - double{b.z}};
 }
 
 /// n = e0 x e1 in double, or by integers when cancellation leaves fewer than 44 good bits of the
 /// largest component.
-std::array<double, 3> normal(const Corners& triangle) {
+Point normal(const Corners& triangle) {
   const auto e0 = difference(triangle[1], triangle[0]);
   const auto e1 = difference(triangle[2], triangle[0]);
-  std::array<double, 3> n{};
+  Point n{};
   double largest = 0.0;
   double terms = 0.0;
   for (std::size_t w = 0; w < 3; ++w) {
@@ -96,7 +90,7 @@ Bounded BoundedOps::reciprocal(Bounded a) const {
 }
 
 std::optional<TestConstants> test_constants(const Corners& triangle, Format format) {
-  if (!finite(triangle)) {
+  if (!(finite(triangle[0]) && finite(triangle[1]) && finite(triangle[2]))) {
     return std::nullopt;
   }
   const auto n = normal(triangle);
@@ -111,7 +105,7 @@ std::optional<TestConstants> test_constants(const Corners& triangle, Format form
   const std::size_t v = (w + 2) % 3;
   const auto e0 = difference(triangle[1], triangle[0]);
   const auto e1 = difference(triangle[2], triangle[0]);
-  const auto p = difference(triangle[0], glm::vec3(0.0F));
+  const Point p = point_of(triangle[0]);
   TestConstants c{static_cast<int>(w), n[u] / n[w],  n[v] / n[w],  p[u],        p[v], p[w],
                   e0[u] / n[w],        e0[v] / n[w], e1[u] / n[w], e1[v] / n[w]};
   for (const double x : {c.e0u, c.e0v, c.e1u, c.e1v}) {

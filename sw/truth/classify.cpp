@@ -121,7 +121,8 @@ bool Truth::Impl::loses(const Ray& ray, const Hit& hit, const Hit& embree_hit) c
   return c.must_be_hit() && (!hit.is_hit() || c.band.t_hi() < double{hit.t});
 }
 
-Verdict Truth::Impl::judge(const Ray& ray, const Hit& hit, const Hit& embree_hit) const {
+std::optional<Verdict> Truth::Impl::judge_quickly(const Ray& ray, const Hit& hit,
+                                                  const Hit& embree_hit) const {
   if (hit.status != Status::Ok && hit.is_hit()) {
     return Verdict::Unexplained;
   }
@@ -138,9 +139,8 @@ Verdict Truth::Impl::judge(const Ray& ray, const Hit& hit, const Hit& embree_hit
   if (ray.any && hit.is_hit() && embree_hit.is_hit()) {
     return Verdict::Agree;
   }
-  const TruthTriangle* reported = nullptr;
   if (hit.is_hit() && !ray.any) {
-    reported = find(hit.prim);
+    const TruthTriangle* reported = find(hit.prim);
     if (reported == nullptr || reported->has_lower_twin) {
       return Verdict::Unexplained;
     }
@@ -156,6 +156,14 @@ Verdict Truth::Impl::judge(const Ray& ray, const Hit& hit, const Hit& embree_hit
   if (loses(ray, hit, embree_hit)) {
     return Verdict::Unexplained;
   }
+  return std::nullopt;
+}
+
+Verdict Truth::Impl::judge(const Ray& ray, const Hit& hit, const Hit& embree_hit) const {
+  if (const auto verdict = judge_quickly(ray, hit, embree_hit)) {
+    return *verdict;
+  }
+  const TruthTriangle* reported = hit.is_hit() && !ray.any ? find(hit.prim) : nullptr;
   std::vector<Candidate> all;
   for (const std::size_t index : candidates(ray)) {
     Candidate c = look(ops, ray, triangles[index], corners_of(triangles[index].prim));

@@ -7,7 +7,7 @@
 namespace ti {
 namespace {
 
-using Vec = std::array<mpz_class, 3>;
+using Vec = Vec3<mpz_class>;
 
 /// Exponent of the least positive binary32, so that every finite value scaled by its inverse is an
 /// integer.
@@ -38,7 +38,7 @@ mpz_class dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a
 
 }  // namespace
 
-std::array<mpz_class, 3> exact_normal(const Corners& triangle) {
+Vec3<mpz_class> exact_normal(const Corners& triangle) {
   const Vec p0 = scaled(triangle[0]);
   return cross(minus(scaled(triangle[1]), p0), minus(scaled(triangle[2]), p0));
 }

@@ -3,16 +3,13 @@
 
 #include <gmpxx.h>
 
-#include <array>
-#include <glm/vec3.hpp>
 #include <optional>
 
+#include "base/vec.hpp"
+#include "scene/mesh.hpp"
 #include "scene/ray.hpp"
 
 namespace ti {
-
-/// The three corners of a triangle, finite.
-using Corners = std::array<glm::vec3, 3>;
 
 /// Where the line of a ray meets a triangle, without any rounding.
 struct ExactMeeting {
@@ -22,7 +19,7 @@ struct ExactMeeting {
 
 /// Twice the area vector of `triangle` as exact integers in units of 2^-298; all zero exactly when
 /// the area is zero.
-[[nodiscard]] std::array<mpz_class, 3> exact_normal(const Corners& triangle);
+[[nodiscard]] Vec3<mpz_class> exact_normal(const Corners& triangle);
 
 /// Meeting of the line of `ray` (o and d finite; tmin and tmax are not looked at) with the closed
 /// `triangle`, both sides; none when it passes outside, lies in the plane, or the triangle has no

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,9 +33,10 @@ struct TruthTriangle {
 };
 
 struct Truth::Impl {
-  Impl(const Mesh& mesh, Format number_format, const std::string& device);
+  Impl(const Mesh& mesh, Format number_format, const std::string& device, std::uint64_t most_looks);
 
   Format format;
+  std::uint64_t looks;
   BoundedOps ops;
   std::vector<glm::vec3> vertices;  ///< rounded to the format
   std::vector<std::array<std::uint32_t, 3>> corners;
@@ -55,6 +58,14 @@ struct Truth::Impl {
   /// Whether Embree's triangle is certainly hit and certainly nearer than `hit`: settles most wrong
   /// hits without a look at every triangle, so that a broken engine is told in seconds.
   [[nodiscard]] bool loses(const Ray& ray, const Hit& hit, const Hit& embree_hit) const;
+  /// How many rays may look at every triangle.
+  [[nodiscard]] std::size_t most_searches() const {
+    return looks / std::max<std::size_t>(1, triangles.size());
+  }
+  /// Verdict for a ray in the format where that takes no look at every triangle. Embree must take
+  /// the ray.
+  [[nodiscard]] std::optional<Verdict> judge_quickly(const Ray& ray, const Hit& hit,
+                                                     const Hit& embree_hit) const;
   /// Verdict for a ray in the format.
   [[nodiscard]] Verdict judge(const Ray& ray, const Hit& hit, const Hit& embree_hit) const;
 };

@@ -4,14 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <mutex>
-#include <thread>
+#include <vector>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "truth/impl.hpp"
 
 namespace ti {
@@ -21,25 +23,6 @@ float rounded(float x, Format format) { return static_cast<float>(round_to(forma
 
 glm::vec3 rounded(const glm::vec3& p, Format format) {
   return {rounded(p.x, format), rounded(p.y, format), rounded(p.z, format)};
-}
-
-/// Calls `work(first, last)` on pieces of [0, count) from all hardware threads; `work` must not
-/// throw.
-template <typename Work>
-void parallel_pieces(std::size_t count, std::size_t piece, const Work& work) {
-  std::atomic<std::size_t> next{0};
-  const auto loop = [&] {
-    for (std::size_t first = next.fetch_add(piece); first < count; first = next.fetch_add(piece)) {
-      work(first, std::min(first + piece, count));
-    }
-  };
-  std::vector<std::jthread> others;
-  const std::size_t threads =
-      std::min<std::size_t>(std::thread::hardware_concurrency(), (count + piece - 1) / piece);
-  for (std::size_t i = 1; i < threads; ++i) {
-    others.emplace_back(loop);
-  }
-  loop();
 }
 
 std::string hex(float x) { return fmt::format("\"{:08X}\"", std::bit_cast<std::uint32_t>(x)); }
@@ -55,28 +38,51 @@ std::string paste_line(std::size_t index, const Ray& ray, const Hit& hit, const 
       embree.prim, hex(embree.t));
 }
 
-void count(TruthReport& report, Verdict verdict) {
-  switch (verdict) {
-    case Verdict::Agree:
-      ++report.agree;
-      break;
-    case Verdict::EmbreeWrong:
-      ++report.embree_wrong;
-      break;
-    case Verdict::Tie:
-      ++report.tie;
-      break;
-    case Verdict::Edge:
-      ++report.edge;
-      break;
-    case Verdict::Grazing:
-      ++report.grazing;
-      break;
-    case Verdict::Unexplained:
-      ++report.unexplained;
-      break;
+/// Counts verdicts; the examples are those of the first rays, whatever the threads do.
+class Tally {
+ public:
+  Tally(std::span<const Ray> rays, std::span<const Hit> hits) : rays_(rays), hits_(hits) {}
+
+  void add(std::size_t index, Verdict verdict, const Hit& embree) {
+    ++count_[static_cast<std::size_t>(verdict)];
+    if (verdict == Verdict::Unexplained) {
+      lines_.emplace(index, paste_line(index, rays_[index], hits_[index], embree));
+      if (lines_.size() > kExamples) lines_.erase(std::prev(lines_.end()));
+    }
   }
-}
+
+  void add(Tally& part) {
+    for (std::size_t i = 0; i < count_.size(); ++i) count_[i] += part.count_[i];
+    lines_.merge(part.lines_);
+    while (lines_.size() > kExamples) lines_.erase(std::prev(lines_.end()));
+  }
+
+  [[nodiscard]] TruthReport report(std::size_t unjudged) const {
+    const auto of = [this](Verdict verdict) { return count_[static_cast<std::size_t>(verdict)]; };
+    TruthReport report{.rays = rays_.size(),
+                       .agree = of(Verdict::Agree),
+                       .embree_wrong = of(Verdict::EmbreeWrong),
+                       .tie = of(Verdict::Tie),
+                       .edge = of(Verdict::Edge),
+                       .grazing = of(Verdict::Grazing),
+                       .unexplained = of(Verdict::Unexplained),
+                       .unjudged = unjudged,
+                       .examples = {}};
+    if (hits_.size() < rays_.size()) {
+      report.unexplained += rays_.size() - hits_.size();  // rays without an answer
+    }
+    for (const auto& [index, line] : lines_) report.examples.push_back(line);
+    return report;
+  }
+
+ private:
+  static constexpr std::size_t kExamples = 8;
+
+  std::span<const Ray> rays_;
+  std::span<const Hit> hits_;
+  std::array<std::uint64_t, 6> count_{};
+  std::map<std::size_t, std::string> lines_;
+};
 
 }  // namespace
 
@@ -96,8 +102,10 @@ bool valid_ray(const Ray& ray, Format format) {
   return some_axis && !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }
 
-Truth::Impl::Impl(const Mesh& mesh, Format number_format, const std::string& device)
+Truth::Impl::Impl(const Mesh& mesh, Format number_format, const std::string& device,
+                  std::uint64_t most_looks)
     : format(number_format),
+      looks(most_looks),
       ops(number_format),
       corners(mesh.triangles),
       place(mesh.triangles.size(), -1) {
@@ -185,12 +193,24 @@ Hit Truth::Impl::trace(const Ray& ray) const {
   return result;
 }
 
-Truth::Truth(const Mesh& mesh, Format format, const std::string& device)
-    : impl_(std::make_unique<Impl>(mesh, format, device)) {}
+Truth::Truth(const Mesh& mesh, Format format, const std::string& device, std::uint64_t looks)
+    : impl_(std::make_unique<Impl>(mesh, format, device, looks)) {}
 
 Truth::~Truth() = default;
 
 std::vector<Hit> Truth::trace(std::span<const Ray> rays) const {
+  const auto slow =
+      static_cast<std::size_t>(std::count_if(rays.begin(), rays.end(), [this](const Ray& ray) {
+        const Ray given = round_ray(ray, impl_->format);
+        return valid_ray(given, impl_->format) && !EmbreeScene::takes(given);
+      }));
+  if (slow > impl_->most_searches()) {
+    throw Error(
+        fmt::format("{} rays have a component beyond 1.844e18, which Embree does not take, and "
+                    "exact arithmetic "
+                    "has time for {} of them on {} triangles; scale the scene or the rays down",
+                    slow, impl_->most_searches(), impl_->triangles.size()));
+  }
   std::vector<Hit> hits(rays.size());
   parallel_pieces(rays.size(), 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
@@ -205,41 +225,41 @@ Verdict Truth::judge(const Ray& ray, const Hit& hit, const Hit& embree) const {
 }
 
 TruthReport Truth::compare(std::span<const Ray> rays, std::span<const Hit> hits) const {
-  TruthReport report;
-  report.rays = rays.size();
+  Tally tally(rays, hits);
+  std::vector<std::size_t> open;  // rays that take a look at every triangle
   std::mutex mutex;
-  std::map<std::size_t, std::string> examples;  // the first ones whatever the threads do
   parallel_pieces(std::min(rays.size(), hits.size()), 512,
                   [&](std::size_t first, std::size_t last) {
-                    TruthReport part;
-                    std::map<std::size_t, std::string> lines;
+                    Tally part(rays, hits);
+                    std::vector<std::size_t> left;
                     for (std::size_t i = first; i < last; ++i) {
                       const Ray ray = round_ray(rays[i], impl_->format);
-                      const Hit embree = impl_->trace(ray);
-                      const Verdict verdict = impl_->judge(ray, hits[i], embree);
-                      count(part, verdict);
-                      if (verdict == Verdict::Unexplained && lines.size() < 8) {
-                        lines.emplace(i, paste_line(i, rays[i], hits[i], embree));
+                      if (valid_ray(ray, impl_->format) && !EmbreeScene::takes(ray)) {
+                        left.push_back(i);
+                        continue;
                       }
+                      const Hit embree = impl_->trace(ray);
+                      const auto verdict = impl_->judge_quickly(ray, hits[i], embree);
+                      verdict ? part.add(i, *verdict, embree) : left.push_back(i);
                     }
                     const std::lock_guard lock(mutex);
-                    report.agree += part.agree;
-                    report.embree_wrong += part.embree_wrong;
-                    report.tie += part.tie;
-                    report.edge += part.edge;
-                    report.grazing += part.grazing;
-                    report.unexplained += part.unexplained;
-                    examples.merge(lines);
+                    tally.add(part);
+                    open.insert(open.end(), left.begin(), left.end());
                   });
-  if (hits.size() < rays.size()) {
-    report.unexplained += rays.size() - hits.size();  // rays without an answer
-  }
-  for (const auto& [index, line] : examples) {
-    if (report.examples.size() < 8) {
-      report.examples.push_back(line);
+  std::sort(open.begin(), open.end());
+  const std::size_t judged = std::min(open.size(), impl_->most_searches());
+  parallel_pieces(judged, 8, [&](std::size_t first, std::size_t last) {
+    Tally part(rays, hits);
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = open[k];
+      const Ray ray = round_ray(rays[i], impl_->format);
+      const Hit embree = impl_->trace(ray);
+      part.add(i, impl_->judge(ray, hits[i], embree), embree);
     }
-  }
-  return report;
+    const std::lock_guard lock(mutex);
+    tally.add(part);
+  });
+  return tally.report(open.size() - judged);
 }
 
 TruthReport& TruthReport::operator+=(const TruthReport& other) {
@@ -250,6 +270,7 @@ TruthReport& TruthReport::operator+=(const TruthReport& other) {
   edge += other.edge;
   grazing += other.grazing;
   unexplained += other.unexplained;
+  unjudged += other.unjudged;
   for (const std::string& example : other.examples)
     if (examples.size() < 8) examples.push_back(example);
   return *this;

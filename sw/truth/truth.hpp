@@ -26,6 +26,7 @@ enum class Verdict : std::uint8_t {
 struct TruthReport {
   std::uint64_t rays = 0, agree = 0, embree_wrong = 0, tie = 0, edge = 0, grazing = 0,
                 unexplained = 0;
+  std::uint64_t unjudged = 0;         ///< of all these, left out by the limit of `Truth`
   std::vector<std::string> examples;  ///< up to 8 unexplained rays, one paste-able line each
 
   /// Those of other rays behind these.
@@ -37,19 +38,27 @@ struct TruthReport {
 /// Holds an Embree scene of `mesh` (with the triangles that the builder keeps). Thread-compatible.
 class Truth {
  public:
+  /// A ray on which Embree and the engine disagree, and a ray that Embree does not take, may have
+  /// to be tested against every triangle. As many tests as this are made, in the order of the rays;
+  /// one takes 10 to 100 ns, so these come to minutes.
+  static constexpr std::uint64_t kLooks = std::uint64_t{1} << 32;
+
   /// `device` configures Embree (`EmbreeScene`).
-  Truth(const Mesh& mesh, Format format, const std::string& device = "");
+  Truth(const Mesh& mesh, Format format, const std::string& device = "",
+        std::uint64_t looks = kLooks);
   ~Truth();
   Truth(const Truth&) = delete;
   Truth& operator=(const Truth&) = delete;
 
   /// Embree's closest hits (any-hit rays: t = u = v = 0, prim 0 on a hit), in the order of `rays`.
+  /// Throws `Error` when too many of them are rays that Embree does not take.
   [[nodiscard]] std::vector<Hit> trace(std::span<const Ray> rays) const;
 
   /// Judges `hit` for `ray`; `embree` is Embree's answer for it.
   [[nodiscard]] Verdict judge(const Ray& ray, const Hit& hit, const Hit& embree) const;
 
-  /// Traces and judges all rays; hits whose status is not Ok must be misses.
+  /// Traces and judges all rays; hits whose status is not Ok must be misses. Disagreements beyond
+  /// the limit are counted as unjudged, whatever the threads do.
   [[nodiscard]] TruthReport compare(std::span<const Ray> rays, std::span<const Hit> hits) const;
 
   /// Exact closest hit by brute force over all triangles with rational arithmetic: every id of

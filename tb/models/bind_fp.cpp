@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "bind.hpp"
 #include "base/format.hpp"
+#include "bind.hpp"
 #include "formats.hpp"
 
 namespace ti {

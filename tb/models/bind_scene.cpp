@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "accel/build.hpp"
 #include "bind.hpp"
 #include "model/tracer.hpp"
-#include "accel/build.hpp"
 
 namespace ti {
 namespace {
@@ -66,14 +66,14 @@ void bind_image(nb::module_& module) {
           "bytes",
           [](const Image& image) { return nb::bytes(image.bytes().data(), image.bytes().size()); })
       .def_prop_ro("root", [](const Image& image) { return image.header().root; })
-      .def_prop_ro("node_count", [](const Image& image) { return image.header().node_count; })
-      .def_prop_ro("list_count", [](const Image& image) { return image.header().list_count; })
+      .def_prop_ro("node_count", [](const Image& image) { return image.parts().node_count; })
+      .def_prop_ro("list_count", [](const Image& image) { return image.parts().list_count; })
       .def_prop_ro("triangle_count",
-                   [](const Image& image) { return image.header().triangle_count; })
-      .def_prop_ro("node_offset", [](const Image& image) { return image.header().node_offset; })
-      .def_prop_ro("list_offset", [](const Image& image) { return image.header().list_offset; })
-      .def_prop_ro("plane_offset", [](const Image& image) { return image.header().plane_offset; })
-      .def_prop_ro("bary_offset", [](const Image& image) { return image.header().bary_offset; })
+                   [](const Image& image) { return image.parts().triangle_count; })
+      .def_prop_ro("node_offset", [](const Image& image) { return image.parts().node_offset; })
+      .def_prop_ro("list_offset", [](const Image& image) { return image.parts().list_offset; })
+      .def_prop_ro("plane_offset", [](const Image& image) { return image.parts().plane_offset; })
+      .def_prop_ro("bary_offset", [](const Image& image) { return image.parts().bary_offset; })
       .def_prop_ro("box_lo", [](const Image& image) { return image.header().box_lo; })
       .def_prop_ro("box_hi", [](const Image& image) { return image.header().box_hi; });
 }

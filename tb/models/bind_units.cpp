@@ -27,7 +27,7 @@ using Plane = std::array<Bits, 8>;  ///< words of `ImagePlane` in memory order
 using Bary = std::array<Bits, 4>;   ///< words of `ImageBary` in memory order
 
 template <class F>
-model::Vec<F> vec(const Bits3& bits) {
+Vec3<F> vec(const Bits3& bits) {
   return {F::from_bits(bits[0]), F::from_bits(bits[1]), F::from_bits(bits[2])};
 }
 

@@ -61,7 +61,12 @@ BAD_SETTINGS = {  # command, options, words of the sentence
     "rays-empty": ("trace", ["--rays", ""], ["RAYS="]),
     "rays-0": ("trace", ["--rays", "random:0"], ["RAYS=random:0"]),
     "rays-word": ("trace", ["--rays", "ao:many"], ["RAYS=ao:many"]),
-    "rays-unknown": ("trace", ["--rays", "caustic:10"], ["caustic:10", "no such file"]),
+    "rays-unknown": ("trace", ["--rays", "caustic:10"], ["caustic:10", "random, inside, primary"]),
+    "rays-unknown-kind": ("trace", ["--rays", "reflection:10"], ["`reflection`", "ao, diffuse"]),
+    "rays-many": ("trace", ["--rays", "random:1000000000"], ["RAYS=random:1000000000", "67108864"]),
+    "rays-too-many-digits": ("trace", ["--rays", "ao:99999999999999999999"], ["67108864"]),
+    "rays-file": ("trace", ["--rays", "./reflection:10"], ["./reflection:10", "no such file"]),
+    "size-times-spp": ("render", ["--size", "8192x8192", "--spp", "2"], ["SPP=2", "2^26"]),
     "log-ray": ("trace", ["--rays", "random:4", "--log-ray", "4"], ["LOG_RAY=4", "4 rays"]),
     "latency-0": ("trace", ["--rays", "random:4", "--mem-latency", "0"], ["--mem-latency"]),
 }

@@ -10,7 +10,7 @@ from agents.program import SCENES, Run, call
 CORNELL = SCENES / "cornell.gltf"
 RAYS = "random:500"
 VERSION, CHECKSUM = 4, 8  # bytes of the header, `docs/memory-image.md`
-ROOT_NODE = 20
+FORMAT_AND_KINDS, ROOT_NODE, SECTION_COUNT, TABLE = 16, 20, 52, 64
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +55,22 @@ DAMAGE = {
     "a-byte-of-the-last-record": (lambda data: flipped(data, len(data) - 100), ["checksum"]),
     "the-checksum": (lambda data: flipped(data, CHECKSUM), ["checksum"]),
     "the-magic": (lambda data: flipped(data, 0), ["TIIM"]),
-    "older-version": (lambda data: changed(data, VERSION, 0), ["version 0", "reads 1"]),
-    "newer-version": (lambda data: changed(data, VERSION, 2), ["version 2", "reads 1"]),
+    "version-1": (lambda data: changed(data, VERSION, 1), ["version 1", "reads 2", "make image"]),
+    "newer-version": (lambda data: changed(data, VERSION, 3), ["version 3", "reads 2"]),
+    "another-tree": (
+        lambda data: changed(data, FORMAT_AND_KINDS, 0x01051708),
+        ["tree is of kind 5", "1 (kd)", "make image"],
+    ),
+    "another-test": (
+        lambda data: changed(data, FORMAT_AND_KINDS, 0x05011708),
+        ["test is of kind 5", "1 (local)", "make image"],
+    ),
+    "a-longer-table": (lambda data: changed(data, SECTION_COUNT, 1 << 30), ["1073741824 sections"]),
+    "no-nodes": (lambda data: changed(data, TABLE, 99), ["no section has its nodes"]),
+    "a-section-beyond-the-end": (
+        lambda data: changed(data, TABLE + 4, 1 << 20),
+        ["section 0", "does not fit"],
+    ),
     "no-such-root": (lambda data: changed(data, ROOT_NODE, 1 << 20), ["root 1048576"]),
     "a-text": (lambda data: b"not an image " * 20, ["TIIM"]),
 }

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <span>
+
+#include "accel/image.hpp"
+#include "model/rd.hpp"
+#include "model/trv.hpp"
+#include "model/work.hpp"
+
+namespace ti::model {
+
+/// How the walk of a ray ended.
+struct Walked {
+  Status status = Status::Ok;
+  std::uint32_t steps = 0;  ///< nodes visited, leaves included
+};
+
+/// Where a walk ends at the latest.
+struct WalkLimits {
+  std::size_t stack_depth;
+  std::uint32_t watchdog_steps;
+};
+
+/// The kd-tree of an image and the walk of a ray through it: which leaves, in which order.
+///
+/// Bit-exact model of `ti_trv`: a short stack, and a restart at the root where it has dropped an
+/// entry (Foley and Sugerman 2005; Horn et al. 2007).
+template <class F>
+class KdTree {
+ public:
+  static constexpr TreeKind kKind = TreeKind::Kd;
+
+  explicit KdTree(const Image& image)
+      : root_(image.header().root), nodes_(image.nodes()), list_(image.list()) {}
+
+  /// Calls `visit(records, exit)` for each leaf, `exit` where the ray leaves it; the walk ends when
+  /// that is true.
+  template <class Visit>
+  [[nodiscard]] Walked walk(const FpRay<F>& ray, const Clipped<F>& clipped,
+                            const WalkLimits& limits, Work& work, const StepLog* log,
+                            const Visit& visit) const;
+
+ private:
+  [[nodiscard]] static const char* name(Side side) {
+    return side == Side::Near ? "near" : side == Side::Far ? "far" : "both";
+  }
+
+  std::uint32_t root_;
+  std::span<const ImageNode> nodes_;
+  std::span<const std::uint32_t> list_;
+};
+
+template <class F>
+template <class Visit>
+Walked KdTree<F>::walk(const FpRay<F>& ray, const Clipped<F>& clipped, const WalkLimits& limits,
+                       Work& work, const StepLog* log, const Visit& visit) const {
+  ShortStack<F> stack(limits.stack_depth);
+  F tmin = clipped.tmin;
+  F tmax = clipped.tmax;
+  std::uint32_t index = root_;
+  std::uint32_t steps = 0;
+  for (;;) {
+    ++work.steps;
+    if (steps >= limits.watchdog_steps) return {Status::Watchdog, steps};
+    ++steps;
+    const ImageNode node = nodes_[index];
+    if (!node.is_leaf()) {
+      const F t = split_distance(node, ray.o, clipped.inv);
+      const auto [near, far] = ordered(node, index, clipped.inv[node.axis()].signbit());
+      const Side side = choose(t, tmin, tmax);
+      if (log) (*log)(fmt::format("node {} t {:08x} {}", index, t.bits(), name(side)));
+      index = side == Side::Far ? far : near;
+      if (side == Side::Both) {
+        stack.push({far, tmax});
+        tmax = t;
+      }
+      continue;
+    }
+
+    ++work.leaves;
+    const F exit = tmax;
+    if (log) (*log)(fmt::format("node {} leaf {} exit {:08x}", index, node.count(), exit.bits()));
+    if (node.count() != 0) ++work.full_leaves;
+    if (visit(list_.subspan(node.value, node.count()), exit)) return {Status::Ok, steps};
+    if (!stack.empty()) {
+      const auto top = stack.pop();
+      index = top.node;
+      tmin = exit;
+      tmax = top.tmax;
+    } else if (stack.dropped() && !(exit == clipped.tmax)) {
+      ++work.restarts;
+      stack.forget_dropped();
+      index = root_;
+      tmin = exit;
+      tmax = clipped.tmax;
+    } else {
+      return {Status::Ok, steps};
+    }
+  }
+}
+
+}  // namespace ti::model

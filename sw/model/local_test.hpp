@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "accel/image.hpp"
+#include "model/ist1.hpp"
+#include "model/ist2.hpp"
+#include "model/rd.hpp"
+#include "model/work.hpp"
+
+namespace ti::model {
+
+/// The triangle records of an image and their test, Shevtsov's in the local form: `pass_a` to
+/// `pass_c`.
+template <class F>
+class LocalTest {
+ public:
+  static constexpr TestKind kKind = TestKind::Local;
+
+  explicit LocalTest(const Image& image) : planes_(image.planes()), barys_(image.barys()) {}
+
+  /// Number of the triangle in the mesh.
+  [[nodiscard]] std::uint32_t prim(std::uint32_t record) const { return planes_[record].prim; }
+
+  /// Nothing when the triangle is missed, or surely beyond `tbest`.
+  [[nodiscard]] std::optional<Candidate<F>> test(std::uint32_t record, const FpRay<F>& ray, F tbest,
+                                                 Work& work) const {
+    const ImagePlane& plane = planes_[record];
+    ++work.a_tests;
+    const auto a = pass_a(plane, ray.o, ray.d, tbest);
+    if (!a) return std::nullopt;
+    ++work.b_tests;
+    const auto b = pass_b(plane, barys_[record], ray.d, *a);
+    if (!b) return std::nullopt;
+    ++work.c_tests;
+    return pass_c(*b);
+  }
+
+ private:
+  std::span<const ImagePlane> planes_;
+  std::span<const ImageBary> barys_;
+};
+
+}  // namespace ti::model

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// RAYS= is a file or one of the kinds; what is made for an engine is in its number format.
+#include <doctest/doctest.h>
+
+#include <glm/vec3.hpp>
+#include <memory>
+
+#include "accel/build.hpp"
+#include "base/limits.hpp"
+#include "cli/ray_source.hpp"
+#include "support.hpp"
+#include "tree_walk.hpp"
+
+namespace {
+
+using namespace ti;
+using test::check_error;
+
+TEST_CASE("the text of RAYS= is a file, or a kind and a count") {
+  CHECK(parse_ray_source("rays.npy").file == "rays.npy");
+  CHECK(parse_ray_source("C:7").file == "C:7");
+  CHECK(parse_ray_source("./ao:7").file == "./ao:7");
+  const RaySource source = parse_ray_source("diffuse:67108864");
+  CHECK(source.file.empty());
+  CHECK(source.kind == "diffuse");
+  CHECK(source.count == kMaxRays);
+  check_error([] { (void)parse_ray_source(""); }, {"RAYS="});
+  check_error([] { (void)parse_ray_source("reflection:10"); },
+              {"`reflection`", "random, inside, primary, ao, diffuse, shadow"});
+  for (const char* text : {"ao:", "ao:0", "ao:-1", "ao:1x", "ao:67108865", "random:1000000000",
+                           "random:99999999999999999999"}) {
+    check_error([text] { (void)parse_ray_source(text); }, {text, "1 to 67108864"});
+  }
+}
+
+TEST_CASE("secondary rays start at numbers of the engine's format") {
+  Scene scene;
+  scene.mesh = soup(60, 0.8F, 5);
+  scene.camera = {.eye = {0.5F, 0.5F, 3.0F}, .target = glm::vec3(0.5F)};
+  scene.lights = {{.position = {3.0F, 4.0F, 5.0F}}};
+  BuildOptions options;
+  options.format = {7, 16};
+  BuildStats stats;
+  const Image image = build_image(scene.mesh, options, stats);
+  const auto model = Tracer::create(image, {});
+  for (const char* kind : {"ao", "diffuse", "shadow"}) {
+    CAPTURE(kind);
+    const auto rays =
+        make_rays({.file = {}, .kind = kind, .count = 500}, scene, *model, options.format, 1);
+    REQUIRE(rays.size() > 100);
+    for (const Ray& ray : rays) {
+      for (int axis = 0; axis < 3; ++axis) {
+        CHECK(round_to(options.format, ray.o[axis]) == double{ray.o[axis]});
+      }
+    }
+  }
+}
+
+}  // namespace

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The short stack keeps the newest entries; a tracer is made for what it is built for only, and its
+// answers do not depend on the stack or on threads.
+#include <doctest/doctest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <deque>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "accel/build.hpp"
+#include "model/fp.hpp"
+#include "model/tracer.hpp"
+#include "model/trv.hpp"
+#include "scene/rays.hpp"
+#include "support.hpp"
+#include "tree_walk.hpp"
+
+namespace {
+
+using namespace ti;
+
+TEST_CASE("the short stack keeps the newest entries and remembers that it dropped one") {
+  std::mt19937 random(3);
+  for (const std::size_t depth : {1U, 2U, 3U, 4U, 63U, 64U}) {
+    CAPTURE(depth);
+    model::ShortStack<Fp<8, 23>> stack(depth);
+    std::deque<std::uint32_t> right;
+    bool dropped = false;
+    for (std::uint32_t i = 0; i < 5000; ++i) {
+      REQUIRE(stack.empty() == right.empty());
+      REQUIRE(stack.dropped() == dropped);
+      if (right.empty() || random() % 8 < (i / 500 % 2 == 0 ? 5U : 3U)) {
+        stack.push({i, Fp<8, 23>::from_double(i)});
+        right.push_back(i);
+        if (right.size() > depth) {
+          right.pop_front();
+          dropped = true;
+        }
+      } else {
+        const auto top = stack.pop();
+        REQUIRE(top.node == right.back());
+        REQUIRE(top.tmax.to_double() == right.back());
+        right.pop_back();
+      }
+      if (i % 97 == 0) {
+        stack.forget_dropped();
+        dropped = false;
+      }
+    }
+  }
+}
+
+TEST_CASE(
+    "the model refuses a stack that it has no room for, and formats that it is not built for") {
+  BuildStats stats;
+  const Image image = build_image(soup(10, 0.5F, 1), {}, stats);
+  for (const int depth : {-1, 0, 65, 1 << 20}) {
+    test::check_error([&] { (void)Tracer::create(image, {.stack_depth = depth}); },
+                      {std::to_string(depth) + " entries:", "1 to 64"});
+  }
+  BuildOptions options;
+  options.format = {6, 12};
+  const Image other = build_image(soup(10, 0.5F, 1), options, stats);
+  test::check_error([&] { (void)Tracer::create(other, {}); }, {"(6,12)", "(8,23)", "(5,10)"});
+}
+
+TEST_CASE(
+    "hits are the same for every depth of the stack, work and hits for every number of threads") {
+  const Mesh mesh = soup(3000, 0.1F, 4);
+  BuildStats stats;
+  const Image image = build_image(mesh, {}, stats);
+  const auto rays = inside_rays(mesh, 5000, 2);
+  std::vector<HitBits> first;
+  for (const int depth : {1, 2, 4, 64}) {
+    const auto tracer = Tracer::create(image, {.stack_depth = depth});
+    Work work;
+    std::vector<HitBits> hits = tracer->trace(rays, work);
+    {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+      Work again;
+      CHECK(tracer->trace(rays, again) == hits);
+      CHECK(again == work);
+    }
+    CHECK((work.restarts > 0) == (depth < 64));
+    for (HitBits& hit : hits) hit.steps = 0;  // restarts visit nodes again
+    if (first.empty()) first = hits;
+    CHECK(hits == first);
+  }
+}
+
+}  // namespace
