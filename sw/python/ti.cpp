@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <atomic>
@@ -25,6 +26,7 @@ using namespace nb::literals;
 
 template <typename T, typename Shape>
 using Array = nb::ndarray<const T, Shape, nb::c_contig, nb::device::cpu>;
+using Bits = std::pair<int, int>;  // of exponent and fraction
 using RayArray = Array<float, nb::shape<-1, 8>>;
 using HitArray = Array<float, nb::shape<-1, 3>>;
 using PrimArray = Array<std::int32_t, nb::shape<-1>>;
@@ -180,16 +182,19 @@ void bind_scene(nb::module_& module) {
                 ao_rays(s.scene.mesh, rays_of(rays), hits_of(hits, prims), samples, radius, seed));
           },
           "rays"_a, "hits"_a, "prims"_a, "samples"_a, "radius"_a, "seed"_a = 1,
-          "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8].")
+          "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8].\n"
+          "`format`: bits of exponent and fraction of the engine that gave the hits.")
       .def(
           "diffuse_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, std::uint64_t seed) {
-            return array_of_rays(diffuse_rays(s.scene.mesh, repeated(rays_of(rays), samples),
+             int samples, std::uint64_t seed, Bits format) {
+            return array_of_rays(diffuse_rays(s.scene.mesh, {format.first, format.second},
+                                              repeated(rays_of(rays), samples),
                                               repeated(hits_of(hits, prims), samples), seed));
           },
-          "rays"_a, "hits"_a, "prims"_a, "samples"_a = 1, "seed"_a = 1,
-          "`samples` cosine-distributed rays without an end from each hit, float32 [N,8].");
+          "rays"_a, "hits"_a, "prims"_a, "samples"_a = 1, "seed"_a = 1, "format"_a = Bits(8, 23),
+          "`samples` cosine-distributed rays without an end from each hit, float32 [N,8].\n"
+          "`format`: bits of exponent and fraction of the engine that gave the hits.");
 }
 
 void bind_wave(nb::module_& module) {
