@@ -177,11 +177,12 @@ void bind_scene(nb::module_& module) {
       .def(
           "ao_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, float radius, std::uint64_t seed) {
-            return array_of_rays(
-                ao_rays(s.scene.mesh, rays_of(rays), hits_of(hits, prims), samples, radius, seed));
+             int samples, float radius, std::uint64_t seed, Bits format) {
+            return array_of_rays(ao_rays(s.scene.mesh, {format.first, format.second}, rays_of(rays),
+                                         hits_of(hits, prims), samples, radius, seed));
           },
           "rays"_a, "hits"_a, "prims"_a, "samples"_a, "radius"_a, "seed"_a = 1,
+          "format"_a = Bits(8, 23),
           "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8].\n"
           "`format`: bits of exponent and fraction of the engine that gave the hits.")
       .def(
