@@ -247,6 +247,8 @@ def rows(unit: str, known: Unit, dump: list[Variable]) -> list[tuple[str, list[V
         found = [v for port in group.ports for v in inside if name_of[id(v)] == port]
         shown.append((group.name, found))
     state = [v for v in inside if name_of[id(v)].endswith("_q")]
+    if not state:  # only wires: those of what is in it
+        state = [v for v in inside if re.search(r"_q\b", v.path[len(scope) :])]
     shown.append(("state", sorted(state, key=lambda v: not v.enum)))
     return [(name, found) for name, found in shown if found]
 

@@ -91,6 +91,14 @@ def test_a_field_keeps_the_name_of_its_struct():
     assert "+{data_i/line[7:0]} ti_x.data_i.line[7:0]" in text
 
 
+def test_a_unit_of_wires_shows_the_registers_inside():
+    unit = wave_view.Unit(["clk_i"], set())
+    dump = dump_of([("ti_x.clk_i", 1), ("ti_x.u_fifo.count_q[3:0]", 4), ("ti_x.u_fifo.full", 1)])
+    text = wave_view.gtkwave("ti_x", unit, dump)
+    assert "+{u_fifo/count_q[3:0]} ti_x.u_fifo.count_q[3:0]" in text
+    assert "full" not in text
+
+
 def test_surfer_gets_the_same_rows():
     unit = wave_view.Unit(["clk_i", "in_valid_i"], set())
     dump = dump_of([("ti_x.clk_i", 1), ("ti_x.in_valid_i", 1), ("ti_x.count_q[3:0]", 4)])
