@@ -305,7 +305,7 @@ def gtkwave(unit: str, known: Unit, dump: list[Variable]) -> str:
 def surfer(unit: str, known: Unit, dump: list[Variable]) -> str:
     lines = []
     for name, found in rows(unit, known, dump):
-        lines.append(f"divider_add {name}")
+        lines.append("divider_add " + re.sub(r"\W+", "_", name).strip("_"))  # takes one word
         for variable in found:
             lines.append("variable_add " + re.sub(r"\[\d+:\d+\]$", "", variable.path))
     return "\n".join([*lines, "zoom_fit"]) + "\n"

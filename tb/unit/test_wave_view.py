@@ -103,7 +103,7 @@ def test_surfer_gets_the_same_rows():
     unit = wave_view.Unit(["clk_i", "in_valid_i"], set())
     dump = dump_of([("ti_x.clk_i", 1), ("ti_x.in_valid_i", 1), ("ti_x.count_q[3:0]", 4)])
     assert wave_view.surfer("ti_x", unit, dump).splitlines() == [
-        "divider_add clock and reset",
+        "divider_add clock_and_reset",
         "variable_add ti_x.clk_i",
         "divider_add in",
         "variable_add ti_x.in_valid_i",
