@@ -16,9 +16,14 @@ OUT ?=
 RAYS ?=
 IMAGE ?=
 SEED ?=
+RAY_WAVES ?=
 LOG_RAY ?=
+MEM ?=
 MEM_LATENCY ?=
 MEM_BANDWIDTH ?=
+SCENES ?=
+CORES ?=
+N ?=
 LIMIT ?=
 TEST ?=
 UNIT ?=
@@ -36,83 +41,113 @@ export PYTHONPYCACHEPREFIX := $(CURDIR)/build/pycache
 export CCACHE_DIR ?= $(CURDIR)/build/ccache
 export OBJCACHE := ccache
 
-jobs := $(shell nproc)
-# The compiler that the set-up chose; read when a recipe runs.
-cxx = $(shell sed -n 1p build/setup.stamp)
-
 empty :=
 space := $(empty) $(empty)
 comma := ,
-# Name of the configuration with its overrides, as a folder: small-num_trv-2.
-tag := $(subst =,-,$(subst $(space),-,$(strip $(basename $(notdir $(CONFIG))) $(SET))))
-config := build/$(tag)/config
+$(if $(findstring $(space),$(CURDIR)),$(error The path '$(CURDIR)' has a space, which the makefiles of \
+  Verilator cannot hold: move this checkout))
 
-# A bare scene name is looked up, with or without its ending; anything else is a path.
-scene_folders := scenes build/scenes ../shared/scenes
-scene_endings := .gltf .glb .obj .ply .ply.zst
+# q NAME: the value of a variable as one word of the shell, whatever is in it.
+q = '$(subst ','\'',$(value $(1)))'
+# opt OPTION,NAME: the option with that value; nothing when it is empty.
+opt = $(if $(value $(2)),$(1) $(call q,$(2)))
+# out DEFAULT: OUT= as one word, or the default.
+out = $(if $(value OUT),$(call q,OUT),$(1))
+
+# Folders of the configuration and of its engine: one call of Python, when a recipe first asks.
+overrides = $(foreach word,$(value SET) $(if $(value CORES),cores=$(value CORES)),'$(subst ','\'',$(word))')
+find_folders = $(shell PATH=$(call q,PATH) PYTHONPYCACHEPREFIX=build/pycache \
+  python scripts/configure.py --build build -- $(call q,CONFIG) $(overrides))
+folders = $(eval folders := $$(find_folders))$(folders)
+config = $(word 1,$(folders))
+engine = $(word 2,$(folders))
+
+# What an engine needs beside the program: the RTL is a library for a configuration.
+ti := build/sw/ti
+library = $(if $(filter rtl,$(1)),engine)
+rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)
 knot := build/scenes/knot.ply
-scene = $(firstword $(if $(filter knot,$(SCENE)),$(knot)) $(wildcard $(foreach d,$(scene_folders),\
-  $(addprefix $(d)/$(SCENE),$(scene_endings)) $(filter-out $(d)/,$(d)/$(filter-out .. .,$(SCENE))))) $(SCENE))
-scene_name = $(firstword $(subst ., ,$(notdir $(scene))))
-run_name = $(scene_name)-$(tag)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
-
-# Only the program with the RTL as an engine is built for a configuration.
-ti = $(if $(filter rtl,$(1)),build/$(tag)/ti,build/sw/ti)
-needs = check-engine $(config)/config.json $(call ti,$(ENGINE)) $(filter $(knot),$(scene))
-common_args = --config $(config)/config.json --engine $(ENGINE) $(if $(SEED),--seed $(SEED)) $(if $(IMAGE),--image $(IMAGE)) \
-  $(if $(LOG_RAY),--log-ray $(LOG_RAY)) \
-  $(if $(MEM_LATENCY),--mem-latency $(MEM_LATENCY)) $(if $(MEM_BANDWIDTH),--mem-bytes-per-cycle $(MEM_BANDWIDTH))
+needs = check-engine config $(ti) $(call library,$(ENGINE)) $(filter $(knot),$(SCENE:knot=$(knot)))
+scene = "$$(scripts/scene.sh file $(call q,SCENE))"
+# What a run is called: cornell-small, cornell-small-num_trv-2-model.
+scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
+run_name = $(scene_name)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
+common_args = --config $(config)/config.json --engine $(ENGINE) --scene $(scene) \
+  $(call rtl,$(ENGINE)) $(call opt,--waves,RAY_WAVES) $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
+  $(memory)
+# The memory behind the ports: MEM=latency,bytes is short for the two others.
+memory = $(call opt,--mem-latency,$(if $(value MEM),mem_latency,MEM_LATENCY)) \
+  $(call opt,--mem-bytes-per-cycle,$(if $(value MEM),mem_bytes,MEM_BANDWIDTH))
+mem_latency := $(word 1,$(subst $(comma), ,$(value MEM)))
+mem_bytes := $(word 2,$(subst $(comma), ,$(value MEM)))
+# What is measured unless SCENES= says it: the papers' scenes, or ours where those are not.
+papers_scenes := $(foreach s,conference sibenik crytek_sponza,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s)))
+bench_scenes = $(or $(value SCENES),$(papers_scenes),cornell knot)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 # Of the package in scripts/extra-packages.txt.
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
-cases = $(or $(FILE),scenes/hardcases.jsonl)
-
-include sim/sim.mk
 
 ##@ Trace
-render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= ENGINE= MEM_LATENCY= MEM_BANDWIDTH= OUT= DUMP=1)
-	@$(call ti,$(ENGINE)) render --scene $(scene) --size $(SIZE) --spp $(SPP) --effects $(EFFECTS) $(common_args) \
-	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(or $(OUT),build/render/$(run_name))
+render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= CORES= ENGINE= MEM=latency,bytes OUT= DUMP=1)
+	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) $(common_args) \
+	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name))
 
-trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
-	@$(call ti,$(ENGINE)) trace --rays $(RAYS) --scene $(scene) $(common_args) \
-	  --out $(or $(OUT),build/trace/$(run_name))
+trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
+	@$(ti) trace --rays $(call q,RAYS) $(common_args) \
+	  --out $(call out,build/trace/$(run_name)-"$$(scripts/scene.sh rays $(call q,RAYS))")
 
-image: $(config)/config.json build/sw/ti $(filter $(knot),$(scene)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
-	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(or $(OUT),build/image/$(scene_name)-$(tag).tiim)
+bench: engine sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=latency,bytes N= SIZE= OUT=)
+	@python scripts/bench.py --config $(config)/config.json --library $(engine)/libti_rtl.so $(memory) \
+	  --scene $(foreach s,$(bench_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')") \
+	  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--count,N) \
+	  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE)) --out $(call out,build/bench/$(notdir $(config)))
 
-hardcases: check-engine $(config)/config.json $(foreach e,$(case_engines),$(call ti,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
-	@$(foreach e,$(case_engines),$(call ti,$(e)) hardcases --file $(cases) \
-	  --config $(config)/config.json --engine $(e) &&) true
+image: config build/sw/ti $(filter $(knot),$(SCENE:knot=$(knot))) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
+	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)
+
+hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
+	@$(foreach e,$(case_engines),$(ti) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
+	  --config $(config)/config.json --engine $(e) $(call rtl,$(e)) &&) true
 
 testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
-	@scripts/logged.sh build/fp/$(subst $(comma),-,$(FORMAT))/build.log "build: FP operators ($(FORMAT))" \
-	  env CXX=$(cxx) scripts/build_fp_rtl.sh $(subst $(comma), ,$(FORMAT)) build/fp/$(subst $(comma),-,$(FORMAT))
-	@build/fp/$(subst $(comma),-,$(FORMAT))/fp_rtl --testfloat $(FILE) --op $(OP)
+	@scripts/logged.sh build/fp/$(fp)/build.log "build: FP operators ($(FORMAT))" \
+	  env CXX=$(cxx) scripts/build_fp_rtl.sh $(subst $(comma), ,$(FORMAT)) build/fp/$(fp)
+	@build/fp/$(fp)/fp_rtl --testfloat $(call q,FILE) --op $(call q,OP)
+testfloat: fp = $(subst $(comma),-,$(FORMAT))
+
+##@ Build
+engine: config build/sw/libti_sw.a ## The RTL of CONFIG= as a library that ti and Python load (SET=)
+	@scripts/build_engine.sh $(engine) $(MAKE) what=$(notdir $(config)) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
+
+config: build/setup.stamp ## Files of CONFIG= for RTL, C++ and programs, checked (SET=), in build/config
+	@$(if $(folders),$(if $(filter config,$(MAKECMDGOALS)),echo $(config),true),exit 2)
+
+sw: build/setup.stamp ## C++ programs, their tests, and the model for Python
+	@$(call build_cpp,all)
 
 ##@ Check
 test: build/setup.stamp ## Every check that CI runs (TEST=part_of_a_name for a few)
-	@scripts/test.sh '$(TEST)'
+	@scripts/test.sh $(call q,TEST)
 
 sim: check-unit model ## cocotb tests of one module (UNIT=ti_fifo TEST=part SEED= WAVES=1)
-	@pytest -s tb/unit/test_$(UNIT).py
+	@pytest -s tb/unit/test_$(call q,UNIT).py
 
 waves: check-unit model ## The same with an FST, opened in a viewer (UNIT= TEST=)
-	@WAVES=1 pytest tb/unit/test_$(UNIT).py; status=$$?; scripts/show_waves.sh $(UNIT); exit $$status
+	@WAVES=1 pytest tb/unit/test_$(call q,UNIT).py; status=$$?; scripts/show_waves.sh $(call q,UNIT); exit $$status
 
-operators: $(config)/config.json ## FP operators and memory bits of CONFIG= beside the published core (OUT=file.json)
-	@python scripts/operators.py $(config) $(if $(OUT),--json $(OUT))
+operators: config ## FP operators and memory bits of CONFIG= beside the published core (OUT=file.json)
+	@python scripts/operators.py $(config) $(call opt,--json,OUT)
 
-synth: $(config)/config.json ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
-	@python scripts/synth_check.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(OUT),--json $(OUT))
+synth: config ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
+	@python scripts/synth_check.py $(config) $(call opt,--unit,UNIT) $(call opt,--json,OUT)
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1)
-	@python scripts/mutants.py $(if $(TEST),--only '$(TEST)') $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)
+	@python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)
 
-timing: $(config)/config.json ## Longest path, gates and flops of CONFIG= in 0.18 um (UNIT=ti_fp_add LIMIT=6.5 OUT=file.json)
+timing: config ## Longest path, gates and flops of CONFIG= in 0.18 um (UNIT=ti_fp_add LIMIT=6.5 OUT=file.json)
 	@[[ -f $(liberty) ]] || scripts/setup.sh --extra
-	@python scripts/timing.py $(config) $(if $(UNIT),--unit $(UNIT)) $(if $(LIMIT),--limit $(LIMIT)) $(if $(OUT),--json $(OUT))
+	@python scripts/timing.py $(config) $(call opt,--unit,UNIT) $(call opt,--limit,LIMIT) $(call opt,--json,OUT)
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh
@@ -123,10 +158,10 @@ format: build/setup.stamp ## Lay out RTL, C++ and Python
 	@ruff format --quiet && ruff check --quiet --fix
 
 fp-volume: sw ## C++ FP operators against MPFR, small formats in full (PAIRS=10000000 of the others)
-	@build/sw/fp_volume --pairs $(or $(PAIRS),10000000) --seed $(or $(SEED),1)
+	@build/sw/fp_volume --pairs $(or $(call opt,,PAIRS),10000000) --seed $(or $(call opt,,SEED),1)
 
-tree-table: build/sw/ti $(config)/config.json ## Tree statistics of the papers' scenes beside the published ones
-	@python scripts/tree_table.py build/sw/ti $(config)/config.json $(or $(SCENES),../shared/scenes)
+tree-table: build/sw/ti config ## Tree statistics of the papers' scenes beside the published ones
+	@python scripts/tree_table.py build/sw/ti $(config)/config.json $(if $(value SCENES),$(call q,SCENES),../shared/scenes)
 
 ##@ House
 setup: ## Install what is missing (apt, Python in build/venv)
@@ -141,28 +176,47 @@ help: ## Show this list
 	@printf '\nCONFIG= is a name in configs/ or a file; SET="num_trv=2 trv_slots=16" changes keys of it.\n'
 
 need-%:
-	@[[ -n "$($*)" ]] || { echo "make $(firstword $(MAKECMDGOALS)): $*= is missing; 'make help' says what it is" >&2; exit 2; }
+	@[[ -n $(call q,$*) ]] || { echo "make $(firstword $(MAKECMDGOALS)): $*= is missing; 'make help' says what it is" >&2; exit 2; }
 
 check-engine:
-	@[[ " rtl model embree " == *" $(ENGINE) "* ]] || \
-	  { echo "ENGINE=$(ENGINE): no such engine; there are rtl, model and embree" >&2; exit 2; }
+	@[[ " rtl model embree " == *" "$(call q,ENGINE)" "* ]] || \
+	  { echo ENGINE=$(call q,ENGINE)": no such engine; there are rtl, model and embree" >&2; exit 2; }
 
 check-unit: need-UNIT
-	@[[ -f tb/unit/test_$(UNIT).py ]] || { echo "UNIT=$(UNIT): there is no tb/unit/test_$(UNIT).py; there are" \
+	@[[ -f tb/unit/test_$(call q,UNIT).py ]] || { echo UNIT=$(call q,UNIT)": there is no tb/unit/test_"$(call q,UNIT)".py; there are" \
 	  $(sort $(patsubst tb/unit/test_%.py,%,$(wildcard tb/unit/test_*.py))) >&2; exit 2; }
 
 check-format:
-	@[[ "$(FORMAT)" =~ ^[3-8],([2-9]|1[0-9]|2[0-3])$$ ]] || \
-	  { echo "FORMAT=$(FORMAT): not E,M with E from 3 to 8 and M from 2 to 23, as in 8,23" >&2; exit 2; }
+	@[[ $(call q,FORMAT) =~ ^[3-8],([2-9]|1[0-9]|2[0-3])$$ ]] || \
+	  { echo FORMAT=$(call q,FORMAT)": not E,M with E from 3 to 8 and M from 2 to 23, as in 8,23" >&2; exit 2; }
+
+# --- Parts of builds ------------------------------------------------------------------------------
+
+jobs = $(shell nproc)
+# The compiler that the set-up chose; read when a recipe runs.
+cxx = $(shell sed -n 1p build/setup.stamp)
+# build_cpp TARGETS: of sw/, by CMake.
+build_cpp = scripts/build_cpp.sh build/sw "$(1)" -DCMAKE_CXX_COMPILER=$(cxx) -DTI_PYTHON=$(CURDIR)/build/venv/bin/python
+
+model: build/setup.stamp
+	@$(call build_cpp,ti_model)
+build/sw/ti: build/setup.stamp FORCE
+	@$(call build_cpp,ti)
+build/sw/libti_sw.a: build/setup.stamp FORCE
+	@$(call build_cpp,ti_sw)
+# GCC brings its own sanitizers; clang's would be one more package.
+sanitized: build/setup.stamp
+	@scripts/build_cpp.sh build/sanitize ti_tests -DCMAKE_CXX_COMPILER=g++ -DTI_SANITIZE=ON
 
 # Also when this folder has moved, since Python environments hold its path.
 build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-packages.txt requirements.txt \
     $(if $(filter-out $(shell sed -n 2p build/setup.stamp 2>/dev/null),$(CURDIR)),FORCE)
-	@scripts/setup.sh
+	@scripts/setup.sh --if-needed
 
 # The large scene of the project.
 $(knot): scripts/make_scenes.py | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D)
 
 FORCE:
-.PHONY: FORCE operators synth timing mutants tree-table render trace image hardcases testfloat test sim waves lint format setup clean help check-engine check-unit check-format
+.PHONY: FORCE render trace bench image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
+  format fp-volume tree-table setup clean help check-engine check-unit check-format model sanitized

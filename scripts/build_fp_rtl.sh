@@ -34,7 +34,7 @@ export OBJCACHE="${OBJCACHE-$(command -v ccache || true)}"
 exec 9> "$out/lock"
 flock 9
 
-python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --out "$out/config"
+python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --any-format --out "$out/config"
 
 verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$exp_bits" -GFracBits="$frac_bits" \

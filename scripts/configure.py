@@ -1,136 +1,168 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write a configuration in the forms that RTL, C++ and programs read.
 
-The one source is `configs/NAME.yaml` (or a path), changed by KEY=VALUE arguments.  DIR gets
-`ti_config_pkg.sv` (`ti_config_pkg::NumTrv`), `ti_config.hpp` (`ti::config::kNumTrv`),
-`config.json` (the keys as they are), and what `scripts/counters.py` writes of the counters.
-Files whose content would not change keep their date, so that nothing is rebuilt.  A wrong key or
-value ends with one sentence, status 2, and no file touched.
+The one source is `configs/NAME.yaml` (or a path), changed by KEY=VALUE arguments; keys that it
+leaves out have the defaults of `configs/schema.yaml`.  DIR gets `ti_config_pkg.sv`
+(`ti_config_pkg::NumTrv`), `ti_config.hpp` (`ti::config::kNumTrv`), `config.json` with its
+`config.schema.json`, and what `scripts/counters.py` writes of the counters.  Files whose content
+would not change keep their date, so that nothing is rebuilt.  A wrong key or value ends with one
+sentence, status 2, and no file touched.
 
-Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR
+With --build the places are chosen here and printed, a line each: the folder of the configuration,
+where all these files are, and the folder of its engine, where those of its RTL are.  The latter is
+named by the keys of the RTL alone, so all configurations of one machine share it.
+
+Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR [--any-format]
+       scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --build DIR
 """
 
 import argparse
+import difflib
+import hashlib
 import json
 import os
+import re
 import sys
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
+import config_forms
+import config_schema
 import counters
 import yaml
+from config_forms import write_changed
+from config_schema import SCHEMA, ConfigError, Schema, Value, is_power
 
-CONFIGS = Path(__file__).resolve().parents[1] / "configs"
+CONFIGS = SCHEMA.parent
 L1S = ("trv", "list", "ist1")
+LONGEST_FOLDER = 100
 
 
 @dataclass(frozen=True)
-class Key:
-    """Range of one key; `power` asks for a power of two."""
+class Configuration:
+    """A checked configuration: its values in the order of the schema."""
 
-    low: int
-    high: int
-    power: bool = False
+    schema: Schema
+    path: Path
+    values: dict[str, Value]
+    overrides: dict[str, Value]  # in the schema's order, only those that change the file's value
 
-    def allows(self, value: int) -> bool:
-        return self.low <= value <= self.high and (not self.power or is_power(value))
+    @cached_property
+    def name(self) -> str:
+        """The file's name and the overrides."""
+        return " ".join([self.path.stem, *self._words()])
 
-    def __str__(self) -> str:
-        return f"{'a power of two' if self.power else 'a number'} from {self.low} to {self.high}"
+    @cached_property
+    def machine(self) -> str:
+        """The same for two configurations exactly when their RTL is."""
+        keys = self.schema.keys
+        return _digest({k: v for k, v in self.values.items() if keys[k].hardware})
 
+    @cached_property
+    def folder(self) -> Path:
+        """Place below the folder of builds; other values have another."""
+        tag = "-".join([self.path.stem, *self._words()]).replace("=", "-")
+        if self.path.resolve().parent != CONFIGS or len(tag) > LONGEST_FOLDER or _plain(tag) != tag:
+            tag = f"{_plain(self.path.stem)}-{_digest([str(self.path.resolve()), self.values])}"
+        return Path("config", tag)
 
-KEYS = {
-    "exp_bits": Key(3, 8),
-    "frac_bits": Key(2, 23),
-    "cores": Key(1, 64),
-    "core_tile": Key(1, 4096),
-    "fp_add_stages": Key(4, 7),
-    "fp_mul_stages": Key(3, 5),
-    "fp_rcp_bits_per_stage": Key(1, 3),
-    "fp_rcp_end_stages": Key(2, 4),
-    "num_trv": Key(1, 256),
-    "num_list": Key(1, 256),
-    "num_ist1": Key(1, 256),
-    "trv_slots": Key(2, 256, power=True),
-    "list_slots": Key(2, 256, power=True),
-    "ist1_slots": Key(2, 256, power=True),
-    "stack_depth": Key(1, 64),
-    "line_bytes": Key(32, 128, power=True),
-    "trv_l1_bytes": Key(64, 1 << 24),
-    "trv_l1_ways": Key(1, 16, power=True),
-    "trv_rows": Key(1, 256),
-    "list_l1_bytes": Key(64, 1 << 24),
-    "list_l1_ways": Key(1, 16, power=True),
-    "list_rows": Key(1, 256),
-    "ist1_l1_bytes": Key(64, 1 << 24),
-    "ist1_l1_ways": Key(1, 16, power=True),
-    "ist1_rows": Key(1, 256),
-    "deal_tile": Key(1, 65536),
-    "watchdog_steps": Key(1, 65535),
-    "addr_bits": Key(20, 64),
-    "max_reads": Key(2, 1024, power=True),
-    "counters": Key(0, 1),
-    "ring_delays": Key(0, 1),
-    "clock_mhz": Key(1, 10000),
-}
+    @cached_property
+    def engine(self) -> Path:
+        """Place of the engine below the folder of builds."""
+        return Path("engine", self.machine)
 
+    def _words(self) -> list[str]:
+        return [f"{key}={json.dumps(v).strip(chr(34))}" for key, v in self.overrides.items()]
 
-class ConfigError(Exception):
-    """One sentence that names the file, the key and what is allowed."""
+    def files_of_machine(self) -> dict[str, str]:
+        """Name and text of what only the keys of the RTL decide."""
+        return {
+            "ti_config_pkg.sv": config_forms.package(self.schema, self.machine, self.values),
+            "ti_config.hpp": config_forms.header(self.schema, self.machine, self.values),
+            "ti_count_pkg.sv": counters.package(self.values),
+            "ti_counters.hpp": counters.header(self.values),
+        }
+
+    def files(self) -> dict[str, str]:
+        """Name and text of all files."""
+        return self.files_of_machine() | {
+            "config.json": config_forms.config_json(self.schema, self.name, self.values),
+            "config.schema.json": config_forms.json_schema(self.schema),
+        }
 
 
-def is_power(value: int) -> bool:
-    return value > 0 and value & (value - 1) == 0
+def _digest(value: object) -> str:
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:8]
+
+
+def _plain(name: str) -> str:
+    """`name` without what makefiles and shells read as their own."""
+    return re.sub(r"[^\w.-]", "_", name, flags=re.ASCII)
 
 
 def find(name_or_path: str) -> Path:
     """The YAML file of a configuration's name, or the path itself."""
-    named = CONFIGS / f"{name_or_path}.yaml"
-    path = named if named.is_file() else Path(name_or_path)
+    names = {p.stem: p for p in sorted(CONFIGS.glob("*.yaml")) if p != SCHEMA}
+    path = names.get(name_or_path, Path(name_or_path))
     if not path.is_file():
-        names = ", ".join(sorted(p.stem for p in CONFIGS.glob("*.yaml")))
         raise ConfigError(
-            f"{name_or_path}: no such configuration; there are {names}, "
+            f"{name_or_path}: no such configuration; there are {', '.join(names)}, "
             "or give the path of a .yaml file"
         )
     return path
 
 
-def read(path: Path, overrides: list[str]) -> dict[str, int]:
-    """Keys and values of `path` after the overrides, not yet checked."""
+def load(name_or_path: str, overrides: list[str] = (), schema: Schema | None = None):
+    """The `Configuration` of a name or path with its overrides; checked, but for its format."""
+    schema = schema or config_schema.load()
+    path = find(name_or_path)
+    stored = read(path, schema)
+    changes = {}
+    for override in overrides:
+        name, equals, text = override.partition("=")
+        if not name or not equals or not text:
+            raise ConfigError(
+                f"{override}: not an override; write KEY=VALUE, for example num_trv=2"
+            )
+        changes[name] = known(path, schema, name).of_text(text)
+    values = schema.defaults() | stored | changes
+    check(path, schema, values)
+    base = schema.defaults() | stored
+    changes = {k: changes[k] for k in schema.keys if k in changes and changes[k] != base.get(k)}
+    return Configuration(schema, path, values, changes)
+
+
+def read(path: Path, schema: Schema) -> dict[str, object]:
+    """Keys and values that stand in `path`: known keys, any values."""
     try:
         config = yaml.safe_load(path.read_text())
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
         place = f" line {mark.line + 1}" if mark else ""
-        raise ConfigError(f"{path}:{place} is not YAML; write one 'key: number' a line") from None
+        raise ConfigError(f"{path}:{place} is not YAML; write one 'key: value' a line") from None
     if not isinstance(config, dict):
-        raise ConfigError(f"{path}: holds no keys; write one 'key: number' a line")
-    for override in overrides:
-        key, equals, text = override.partition("=")
-        try:
-            value = int(text, 0)
-        except ValueError:
-            equals = ""
-        if not equals:
-            raise ConfigError(
-                f"{override}: not an override; write KEY=NUMBER, for example num_trv=2"
-            )
-        config[key] = value
-    return config
+        raise ConfigError(f"{path}: holds no keys; write one 'key: value' a line")
+    return {name: known(path, schema, name).of(value) for name, value in config.items()}
 
 
-def check(path: Path, config: dict[str, int]) -> None:
-    """Raise `ConfigError` at the first key that is unknown, missing or impossible."""
-    for key in config:
-        if key not in KEYS:
-            raise ConfigError(f"{path}: unknown key {key}; the keys are {', '.join(KEYS)}")
-    for key, rule in KEYS.items():
-        if key not in config:
-            raise ConfigError(f"{path}: key {key} is missing; give it {rule}")
-        value = config[key]
-        if type(value) is not int or not rule.allows(value):
-            raise ConfigError(f"{path}: {key} is {value}, but must be {rule}")
+def known(path: Path, schema: Schema, name: str) -> config_schema.Key:
+    """The key of that name."""
+    if name in schema.keys:
+        return schema.keys[name]
+    near = difflib.get_close_matches(str(name), schema.keys, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"the keys are {', '.join(schema.keys)}"
+    raise ConfigError(f"{path}: unknown key {name}; {hint}")
+
+
+# --- What values must be; all that one key asks of another is here -------------------------------
+
+
+def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
+    """Raise `ConfigError` at the first value that is impossible."""
+    for name, key in schema.keys.items():
+        if not key.allows(config[name]):
+            raise ConfigError(f"{path}: {name} is {config[name]}, but must be {key.allowed()}")
     if config["num_list"] > config["num_trv"]:
         raise ConfigError(
             f"{path}: num_list is {config['num_list']}, "
@@ -139,6 +171,17 @@ def check(path: Path, config: dict[str, int]) -> None:
     check_reciprocal(path, config)
     for unit in L1S:
         check_cache(path, config, unit)
+
+
+def check_format(configuration: Configuration) -> None:
+    """Raise `ConfigError` for a number format that an engine's model is not compiled for."""
+    pair = configuration.values["exp_bits"], configuration.values["frac_bits"]
+    if pair not in configuration.schema.formats:
+        formats = ", ".join(f"({e},{m})" for e, m in configuration.schema.formats)
+        raise ConfigError(
+            f"{configuration.path}: exp_bits,frac_bits is ({pair[0]},{pair[1]}), but the model is "
+            f"compiled for {formats}; to have another, add it to `formats` in configs/schema.yaml"
+        )
 
 
 def check_reciprocal(path: Path, config: dict[str, int]) -> None:
@@ -169,66 +212,57 @@ def check_cache(path: Path, config: dict[str, int], unit: str) -> None:
         )
 
 
-def camel(key: str) -> str:
-    return "".join(word.capitalize() for word in key.split("_"))
+# --- Files ---------------------------------------------------------------------------------------
 
 
-def package(name: str, config: dict[str, int]) -> str:
-    # A localparam of 32 bits holds every range above.
-    lines = "".join(f"  localparam int unsigned {camel(k)} = {config[k]};\n" for k in KEYS)
-    return (
-        "// SPDX-License-Identifier: Apache-2.0\n\n"
-        f"/// Configuration `{name}`, written by scripts/configure.py.\n"
-        f"package ti_config_pkg;\n\n{lines}\nendpackage : ti_config_pkg\n"
-    )
+def write(folder: Path, files: dict[str, str]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, text in files.items():
+        write_changed(folder / file, text)
 
 
-def header(name: str, config: dict[str, int]) -> str:
-    lines = "".join(f"inline constexpr int k{camel(k)} = {config[k]};\n" for k in KEYS)
-    return (
-        "// SPDX-License-Identifier: Apache-2.0\n"
-        f"// Configuration `{name}`, written by scripts/configure.py.\n"
-        f'#pragma once\n\nnamespace ti::config {{\n\ninline constexpr char kName[] = "{name}";\n'
-        f"{lines}\n}}  // namespace ti::config\n"
-    )
-
-
-def write_changed(path: Path, text: str) -> None:
-    """Make `path` hold `text`; whoever reads it meanwhile sees the old or the new one whole."""
-    if not path.is_file() or path.read_text() != text:
-        partial = path.with_suffix(f".{os.getpid()}")
-        partial.write_text(text)
+def link(path: Path, target: Path) -> None:
+    """Make `path` a link to `target`, in one step."""
+    if not path.is_symlink() or path.readlink() != target:
+        partial = path.with_name(f"{path.name}.{os.getpid()}")
+        partial.symlink_to(target)
         partial.replace(path)
 
 
-def configure(name_or_path: str, overrides: list[str], out: Path) -> dict[str, int]:
-    """Check the configuration and write its files into `out`; its values in the order of KEYS."""
-    path = find(name_or_path)
-    config = read(path, overrides)
-    check(path, config)
-    config = {key: config[key] for key in KEYS}
-    name = " ".join([path.stem, *overrides])
-    files = {
-        "ti_config_pkg.sv": package(name, config),
-        "ti_config.hpp": header(name, config),
-        "ti_count_pkg.sv": counters.package(config),
-        "ti_counters.hpp": counters.header(config),
-        "config.json": json.dumps({"name": name, **config}, indent=2) + "\n",
-    }
-    out.mkdir(parents=True, exist_ok=True)
-    for file, text in files.items():
-        write_changed(out / file, text)
-    return config
+def configure(
+    name_or_path: str, overrides: list[str], out: Path, schema: Schema | None = None
+) -> dict[str, Value]:
+    """Write all files of a configuration into `out`; its values.  For units: any number format."""
+    configuration = load(name_or_path, overrides, schema)
+    write(out, configuration.files())
+    return configuration.values
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("name_or_path", help="name of a file in configs/, or a path")
     parser.add_argument("overrides", nargs="*", metavar="KEY=VALUE")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    places = parser.add_mutually_exclusive_group(required=True)
+    places.add_argument("--out", type=Path, metavar="DIR")
+    places.add_argument("--build", type=Path, metavar="DIR", help="where the Makefile builds")
+    parser.add_argument("--any-format", action="store_true", help="also without a model: units")
+    parser.add_argument("--schema", type=Path, default=SCHEMA, metavar="FILE")
     arguments = parser.parse_args()
     try:
-        configure(arguments.name_or_path, arguments.overrides, arguments.out)
+        schema = config_schema.load(arguments.schema)
+        configuration = load(arguments.name_or_path, arguments.overrides, schema)
+        if not arguments.any_format:
+            check_format(configuration)
+        if arguments.out:
+            write(arguments.out, configuration.files())
+        else:
+            folder, engine = (
+                arguments.build / p for p in (configuration.folder, configuration.engine)
+            )
+            write(folder, configuration.files())
+            write(engine / "config", configuration.files_of_machine())
+            link(folder / "engine", Path("..", "..", configuration.engine))
+            print(f"{folder}\n{engine}")
     except ConfigError as error:
         print(error, file=sys.stderr)
         return 2

@@ -5,6 +5,8 @@
 set -u
 cd "$(dirname "$0")/.."
 failed=0
+config=build/lint/$$
+trap 'rm -rf "$config"' EXIT
 
 # check WHAT COMMAND...: one line when it is clean, all its output when it is not.
 check() {
@@ -21,17 +23,17 @@ check() {
 
 elaborate() {
   # shellcheck disable=SC2086  # a name and overrides
-  python scripts/configure.py $1 --out build/lint/config &&
+  python scripts/configure.py $1 --out "$config" &&
     verilator --lint-only -Wall --quiet-stats -Irtl/common lint/verilator.vlt \
-      build/lint/config/ti_config_pkg.sv build/lint/config/ti_count_pkg.sv -f rtl/ti.f --top-module ti_engine
+      "$config/ti_config_pkg.sv" "$config/ti_count_pkg.sv" -f rtl/ti.f --top-module ti_engine
 }
 
 rtl=$(find rtl tb sim -name '*.sv' -o -name '*.svh' | sort)
 cpp=$(find sw sim tb -name '*.cpp' -o -name '*.hpp' | sort)
 
-for config in tiny small paper "tiny exp_bits=7 frac_bits=16" \
+for words in tiny small paper "tiny exp_bits=7 frac_bits=16" \
   "tiny cores=3 num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0"; do
-  check "verilator -Wall, $config" elaborate "$config"
+  check "verilator -Wall, $words" elaborate "$words"
 done
 # shellcheck disable=SC2086  # lists of files without spaces
 {

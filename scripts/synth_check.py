@@ -10,7 +10,7 @@ unit named, to Lattice ECP5 for cell counts.
 Exit status: 0 clean, 1 when a unit is not, 2 when the arguments are wrong.
 
 Usage: scripts/synth_check.py DIR [--unit MODULE] [--quick] [--rtl DIR] [--json FILE]
-DIR is the folder that scripts/configure.py wrote; logs go to `synth` beside it.
+DIR is the folder that scripts/configure.py wrote; logs go to `synth` in it.
 """
 
 import argparse
@@ -66,7 +66,7 @@ class Synthesis:
         self.config = json.loads((folder / "config.json").read_text())
         self.packages = [folder / "ti_config_pkg.sv", folder / "ti_count_pkg.sv"]
         self.rtl = rtl
-        self.work = folder.parent / work
+        self.work = folder / work
         self.work.mkdir(parents=True, exist_ok=True)
 
     def read(self, module: str) -> str:

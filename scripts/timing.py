@@ -13,7 +13,7 @@ multiplexers.
 Exit status: 0 within the limit, 1 when a unit exceeds it, 2 when something cannot be measured.
 
 Usage: scripts/timing.py DIR [--unit MODULE ...] [--limit NS] [--rtl DIR] [--json FILE]
-DIR is the folder that scripts/configure.py wrote; logs go to `timing` beside it.
+DIR is the folder that scripts/configure.py wrote; logs go to `timing` in it.
 """
 
 import argparse

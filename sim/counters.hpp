@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "Vti_engine.h"
-#include "engine/engine.hpp"
+#include "engine/counts.hpp"
 #include "ti_config.hpp"
 #include "ti_counters.hpp"
 
@@ -47,17 +47,23 @@ class Counters {
     return 0;
   }
 
-  [[nodiscard]] std::vector<UnitAccount> accounts(std::uint64_t cycles) const {
-    std::vector<UnitAccount> accounts;
+  /// Cycles by activity of each kind of unit; without counters, only how many units there are.
+  [[nodiscard]] std::vector<UnitCounts> units() const {
+    std::vector<UnitCounts> units;
     for (std::size_t k = 0; k < sums_.size(); ++k) {
       const config::CountedUnit& kind = config::kCountedUnits[k];
-      UnitAccount account{
-          kind.name, cycles * static_cast<std::uint64_t>(kind.count * config::kCores), {}};
-      for (std::size_t e = 0; e < config::kActivities; ++e)
-        account.activities.emplace_back(kind.events[e], sums_[k][e]);
-      accounts.push_back(account);
+      UnitCounts unit{kind.name, static_cast<std::uint64_t>(kind.count) * config::kCores, {}};
+      for (std::size_t e = 0; config::kCounters != 0 && e < config::kActivities; ++e)
+        unit.activities.emplace_back(kind.events[e], sums_[k][e]);
+      units.push_back(unit);
     }
-    return accounts;
+    return units;
+  }
+
+  Counters& operator+=(const Counters& other) {
+    for (std::size_t k = 0; k < sums_.size(); ++k)
+      for (std::size_t e = 0; e < sums_[k].size(); ++e) sums_[k][e] += other.sums_[k][e];
+    return *this;
   }
 
  private:

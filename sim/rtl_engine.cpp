@@ -2,6 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
+#include <chrono>
+#include <deque>
 #include <random>
 #include <string>
 #include <type_traits>
@@ -14,7 +17,6 @@
 #include "engine/engine.hpp"
 #include "fixed_memory.hpp"
 #include "io/file.hpp"
-#include "progress.hpp"
 #include "ti_config.hpp"
 #include "verilated.h"
 
@@ -28,9 +30,6 @@ using sim::Unpacker;
 
 constexpr int kFpWidth = 1 + config::kExpBits + config::kFracBits;
 constexpr Format kFormat{config::kExpBits, config::kFracBits};
-
-/// Cycles without a ray in or out after which the rays inside count as lost.
-constexpr std::uint64_t kPatience = 2'000'000;
 
 /// Cycles in which nothing may come after the last ray.
 constexpr int kSilence = 256;
@@ -46,86 +45,146 @@ void set_bit(Port& port, int top, bool value) {
   port = static_cast<Port>(value ? port | mask : port & ~mask);
 }
 
+/// Cycles without a ray in or out or an answer of the memory after which the rays inside count as
+/// lost: a ray that finds all its nodes in the caches shows nothing until the watchdog ends it.
+[[nodiscard]] std::uint64_t patience(const RtlOptions& options) {
+  constexpr double kCyclesPerStep = 256.0;
+  const double quiet = 100'000.0 + kCyclesPerStep * config::kWatchdogSteps +
+                       2.0 * options.memory_latency +
+                       2.0 * config::kLineBytes / options.memory_bytes_per_cycle;
+  const double share = options.stall_seed != 0 ? options.stall_share : 0.0;
+  return static_cast<std::uint64_t>(quiet / (1.0 - share));
+}
+
+/// The machine with its memory. `cycle_` counts the cycles in which rays were inside.
 class RtlEngine final : public Engine {
  public:
-  RtlEngine(const Image& image, const Tracer& model, const RtlOptions& options)
-      : image_(image), model_(model), options_(options) {}
-
-  [[nodiscard]] EngineResult trace(std::span<const Ray> rays) override {
-    VerilatedContext context;
-    start_log(context);
-    // With stalls, registers without a reset begin with random values, so that a missing one shows.
-    context.randReset(options_.stall_seed != 0 ? 2 : 0);
-    context.randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
-    Vti_engine top(&context);
-    std::mt19937_64 random(options_.stall_seed);
-    FixedMemory memory(image_.bytes(), {.ports = config::kCores,
-                                        .latency = options_.memory_latency,
-                                        .bytes_per_cycle = options_.memory_bytes_per_cycle,
-                                        .line_bytes = config::kLineBytes,
-                                        .error_every = options_.error_every,
-                                        .shuffle_seed = options_.stall_seed});
-    reset(top);
-    set_scene(top);
-    top.count_run_i = 1;
-
-    EngineResult result;
-    result.hits.resize(rays.size());
-    result.lock_step.on = options_.lock_step;
-    std::vector<std::uint8_t> answers(rays.size(), 0);
-    Work model_work;
-    sim::Progress progress(rays.size(), options_.progress);
-    std::uint64_t cycle = 0;
-    std::uint64_t last_event = 0;
-    std::size_t sent = 0;
-    std::size_t came = 0;
-    bool ray_up = false;
-
-    // The engine's valid and ready outputs come from registers, so the inputs of a cycle may follow
-    // from its outputs.
-    while (came < rays.size() && cycle - last_event < kPatience) {
-      if (top.ray_valid_i && top.ray_ready_o) {
-        ++sent;
-        ray_up = false;
-        last_event = cycle;
-      }
-      if (top.hit_valid_o && top.hit_ready_i) {
-        take(top, rays, answers, result, model_work);
-        ++came;
-        last_event = cycle;
-      }
-      const std::uint64_t answered = take_reads(top, memory);
-      step(top);
-      memory.tick();
-      ++cycle;
-
-      if (!ray_up && sent < rays.size() && !stall(random)) {
-        put_ray(top, static_cast<std::uint32_t>(sent), rays[sent]);
-        ray_up = true;
-      }
-      top.ray_valid_i = ray_up;
-      top.hit_ready_i = !stall(random);
-      put_answers(top, memory, answered, random);
-      if (cycle % 1024 == 0) progress.update(came, cycle);
+  RtlEngine(const Image& image, const RtlOptions& options)
+      : image_(image),
+        options_(options),
+        patience_(patience(options)),
+        random_(options.stall_seed) {
+    constexpr int kAddrBits = config::kAddrBits;
+    const std::uint64_t end = Memory::kBase + image.bytes().size();
+    if (kAddrBits < 64 && end > std::uint64_t{1} << kAddrBits) {
+      throw Error(fmt::format(
+          "the image ends at address {}, beyond the {} bits of addr_bits: give SET=addr_bits={}",
+          end, kAddrBits, std::bit_width(end - 1)));
     }
-    progress.finish(came, cycle);
-    if (came == rays.size()) result.duplicated += late_hits(top);
+    start();
+  }
+  ~RtlEngine() override { top_->final(); }
 
-    for (std::uint8_t count : answers) result.lost += count == 0 ? 1 : 0;
-    read_counters(top, cycle, memory.bytes(), progress.seconds(), result);
-    if (options_.lock_step && options_.error_every == 0 && config::kCounters != 0 &&
-        !(result.work == model_work)) {
-      result.lock_step.work_differs = true;
-      result.lock_step.examples.push_back(
-          fmt::format("RTL {}; model {}", text_of(result.work), text_of(model_work)));
-    }
-    top.final();
-    return result;
+  [[nodiscard]] Format format() const override { return kFormat; }
+
+  void submit(std::span<const Ray> rays) override {
+    queue_.insert(queue_.end(), rays.begin(), rays.end());
   }
 
+  std::size_t cancel() override {
+    const std::size_t kept = ray_up_ ? 1 : 0;  // on the port already
+    const std::size_t n = queue_.size() - kept;
+    queue_.resize(kept);
+    return n;
+  }
+
+  void poll(std::vector<Answer>& answers, std::size_t least) override {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::size_t enough = answers.size() + std::max<std::size_t>(least, 1);
+    last_event_ = cycle_;
+    top_->count_run_i = 1;
+    while (answers.size() < enough && inside() + queue_.size() != 0) {
+      if (cycle_ - last_event_ >= patience_) {
+        give_up();
+        break;
+      }
+      cycle(answers);
+    }
+    if (inside() + queue_.size() == 0) settle();
+    counts_.seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
+  [[nodiscard]] Counts counts() override;
+
  private:
+  /// Rays that the machine has taken and not answered.
+  [[nodiscard]] std::uint64_t inside() const { return missing_; }
+
+  /// A machine after its reset, caches cold.
+  void start() {
+    top_.reset();
+    context_ = std::make_unique<VerilatedContext>();
+    start_log();
+    // With stalls, registers without a reset begin with random values, so that a missing one shows.
+    context_->randReset(options_.stall_seed != 0 ? 2 : 0);
+    context_->randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
+    top_ = std::make_unique<Vti_engine>(context_.get());
+    memory_ = std::make_unique<FixedMemory>(
+        image_.bytes(), FixedMemory::Settings{.ports = config::kCores,
+                                              .latency = options_.memory_latency,
+                                              .bytes_per_cycle = options_.memory_bytes_per_cycle,
+                                              .line_bytes = config::kLineBytes,
+                                              .error_every = options_.error_every,
+                                              .shuffle_seed = options_.stall_seed});
+    reset(*top_);
+    set_scene(*top_);
+    ray_up_ = false;
+  }
+
+  /// One cycle. The engine's valid and ready outputs come from registers, so the inputs of a cycle
+  /// may follow from its outputs.
+  void cycle(std::vector<Answer>& answers) {
+    Vti_engine& top = *top_;
+    if (top.ray_valid_i && top.ray_ready_o) {
+      queue_.pop_front();
+      came_.push_back(false);
+      ++missing_;
+      ray_up_ = false;
+      last_event_ = cycle_;
+    }
+    if (top.hit_valid_o && top.hit_ready_i) {
+      take(top, answers);
+      last_event_ = cycle_;
+    }
+    const std::uint64_t answered = take_reads(top, *memory_);
+    if (answered != 0) last_event_ = cycle_;
+    step(top);
+    memory_->tick();
+    ++cycle_;
+
+    if (!ray_up_ && !queue_.empty() && !stall()) {
+      put_ray(top, static_cast<std::uint32_t>(first_ + came_.size()), queue_.front());
+      ray_up_ = true;
+    }
+    top.ray_valid_i = ray_up_;
+    top.hit_ready_i = !stall();
+    put_answers(top, *memory_, answered);
+    if (cycle_ % 1024 == 0 && options_.progress) options_.progress(counts_.rays, cycle_);
+  }
+
+  /// All rays are answered: counters stop, and nothing may follow.
+  void settle() {
+    top_->count_run_i = 0;
+    counts_.duplicated += late_hits(*top_);
+    first_ += came_.size();
+    came_.clear();
+  }
+
+  /// The rays inside and those that wait are lost.
+  void give_up() {
+    before_ = snapshot();
+    bytes_before_ += memory_->bytes();
+    counts_.lost += missing_ + queue_.size();
+    first_ += came_.size() + queue_.size();
+    came_.clear();
+    missing_ = 0;
+    queue_.clear();
+    start();
+  }
+
   /// Tells `ti_step_log` which ray to follow; Verilator needs arguments even when there is none.
-  void start_log(VerilatedContext& context) const {
+  void start_log() {
     std::vector<std::string> words{"ti"};
     if (options_.log_ray) {
       write_file(options_.log_file, "");
@@ -134,7 +193,7 @@ class RtlEngine final : public Engine {
     }
     std::vector<const char*> arguments;
     for (const std::string& word : words) arguments.push_back(word.c_str());
-    context.commandArgs(static_cast<int>(arguments.size()), arguments.data());
+    context_->commandArgs(static_cast<int>(arguments.size()), arguments.data());
   }
 
   static void step(Vti_engine& top) {
@@ -157,9 +216,9 @@ class RtlEngine final : public Engine {
     step(top);
   }
 
-  [[nodiscard]] bool stall(std::mt19937_64& random) const {
+  [[nodiscard]] bool stall() {
     return options_.stall_seed != 0 &&
-           static_cast<double>(random() >> 11U) * 0x1p-53 < options_.stall_share;
+           static_cast<double>(random_() >> 11U) * 0x1p-53 < options_.stall_share;
   }
 
   void set_scene(Vti_engine& top) const {
@@ -218,12 +277,11 @@ class RtlEngine final : public Engine {
   }
 
   /// The inputs of the read ports in the next cycle.
-  void put_answers(Vti_engine& top, Memory& memory, std::uint64_t answered,
-                   std::mt19937_64& random) const {
+  void put_answers(Vti_engine& top, Memory& memory, std::uint64_t answered) {
     for (int core = 0; core < config::kCores; ++core) {
-      set_bit(top.m_axi_arready, core, memory.ready(core) && !stall(random));
+      set_bit(top.m_axi_arready, core, memory.ready(core) && !stall());
       if (bit(answered, core)) set_bit(top.m_axi_rvalid, core, false);
-      if (bit(top.m_axi_rvalid, core) || stall(random)) continue;
+      if (bit(top.m_axi_rvalid, core) || stall()) continue;
       const auto answer = memory.answer(core);
       if (!answer) continue;
       top.m_axi_rid[core] =
@@ -235,106 +293,92 @@ class RtlEngine final : public Engine {
     }
   }
 
-  void take(const Vti_engine& top, std::span<const Ray> rays, std::vector<std::uint8_t>& answers,
-            EngineResult& result, Work& model_work) const {
+  void take(const Vti_engine& top, std::vector<Answer>& answers) {
     Unpacker fields(top.hit_data_o.m_storage);
-    HitBits hit;
-    hit.steps = static_cast<std::uint16_t>(fields.get(16));
-    hit.v = static_cast<std::uint32_t>(fields.get(kFpWidth));
-    hit.u = static_cast<std::uint32_t>(fields.get(kFpWidth));
-    hit.t = static_cast<std::uint32_t>(fields.get(kFpWidth));
-    hit.prim = static_cast<std::int32_t>(fields.get(32));
-    const bool is_hit = fields.get(1) != 0;
-    hit.status = static_cast<Status>(fields.get(2));
+    Answer answer;
+    answer.hit.steps = static_cast<std::uint16_t>(fields.get(16));
+    answer.hit.v = static_cast<std::uint32_t>(fields.get(kFpWidth));
+    answer.hit.u = static_cast<std::uint32_t>(fields.get(kFpWidth));
+    answer.hit.t = static_cast<std::uint32_t>(fields.get(kFpWidth));
+    answer.hit.prim = static_cast<std::int32_t>(fields.get(32));
+    answer.found = fields.get(1) != 0;
+    answer.hit.status = static_cast<Status>(fields.get(2));
     const auto id = static_cast<std::uint32_t>(fields.get(32));
 
-    if (id >= rays.size() || answers[id] != 0) {
-      ++result.duplicated;
+    const auto place = static_cast<std::uint32_t>(id - static_cast<std::uint32_t>(first_));
+    if (place >= came_.size() || came_[place]) {
+      ++counts_.duplicated;
       return;
     }
-    answers[id] = 1;
-    result.hits[id] = hit;
-    if (!options_.lock_step) return;
-    const HitBits expected = model_.trace(rays[id], model_work);
-    const bool excused = options_.error_every != 0 && hit.status == Status::MemoryError && !is_hit;
-    if (!excused && (!(hit == expected) || is_hit != (expected.prim >= 0))) {
-      ++result.lock_step.mismatches;
-      if (result.lock_step.examples.size() < 4)
-        result.lock_step.examples.push_back(difference(id, hit, expected));
-    }
+    came_[place] = true;
+    answer.ray = first_ + place;
+    answer.cycle = cycle_;
+    answers.push_back(answer);
+    --missing_;
+    ++counts_.rays;
   }
 
-  static std::string text_of(const Work& work) {
-    return fmt::format("steps {} leaves {} ({} full) restarts {} tests {} / {} / {}", work.steps,
-                       work.leaves, work.full_leaves, work.restarts, work.a_tests, work.b_tests,
-                       work.c_tests);
-  }
-
-  static std::string difference(std::uint32_t id, const HitBits& got, const HitBits& expected) {
-    const auto text = [](const HitBits& hit) {
-      return fmt::format("prim {} t {:08x} u {:08x} v {:08x} status {} steps {}", hit.prim, hit.t,
-                         hit.u, hit.v, static_cast<int>(hit.status), hit.steps);
-    };
-    return fmt::format("ray {}: RTL {}; model {}", id, text(got), text(expected));
-  }
-
-  /// Stops the counters and reads them all.
-  static void read_counters(Vti_engine& top, std::uint64_t cycles, std::uint64_t bytes,
-                            double seconds, EngineResult& result) {
-    const sim::Counters counts(top, [&top] { step(top); });
-    Work& work = result.work;
-    work.steps = counts.sum("trv", "steps");
-    work.leaves = counts.sum("trv", "leaves");
-    work.full_leaves = counts.sum("trv", "full_leaves");
-    work.restarts = counts.sum("trv", "restarts") + counts.sum("trv", "restarts_after_tests");
-    work.a_tests = counts.sum("ist1", "a_passes");
-    work.b_tests = counts.sum("ist1", "b_passes");
-    work.c_tests = counts.sum("ist2", "c_passes");
-
-    const auto share = [cycles](std::uint64_t busy, int units) {
-      return cycles == 0 ? 0.0
-                         : static_cast<double>(busy) /
-                               (static_cast<double>(cycles) * config::kCores * units);
-    };
-    RtlCounters counters;
-    counters.cycles = cycles;
-    counters.dram_bytes = bytes;
-    counters.seconds = seconds;
-    counters.trv_busy = share(work.steps, config::kNumTrv);
-    counters.list_busy = share(counts.sum("list", "ids"), config::kNumList);
-    counters.ist1_busy = share(work.a_tests + work.b_tests, config::kNumIst1);
-    counters.ist2_busy = share(work.c_tests, 1);
-    for (const char* unit : {"trv", "list", "ist1"}) {
-      counters.caches.push_back({fmt::format("{}_l1", unit), counts.sum(unit, "l1_accesses"),
-                                 counts.sum(unit, "l1_hits"), counts.sum(unit, "l1_merged"),
-                                 counts.sum(unit, "l1_misses")});
-    }
-    if (config::kCounters != 0) counters.accounts = counts.accounts(cycles);
-    result.rtl = counters;
+  /// The counters of the machine since its reset, added to those of machines given up before.
+  [[nodiscard]] sim::Counters snapshot() {
+    sim::Counters counters(*top_, [this] { step(*top_); });
+    if (before_) counters += *before_;
+    return counters;
   }
 
   const Image& image_;
-  const Tracer& model_;
   RtlOptions options_;
+  std::uint64_t patience_;
+  std::mt19937_64 random_;
+  std::unique_ptr<VerilatedContext> context_;
+  std::unique_ptr<Vti_engine> top_;
+  std::unique_ptr<FixedMemory> memory_;
+
+  std::deque<Ray> queue_;  // the first one is on the port when `ray_up_`
+  bool ray_up_ = false;
+  std::uint64_t first_ = 0;    // number of the ray of `came_[0]`
+  std::vector<bool> came_;     // of the rays taken since all were answered: whether they are
+  std::uint64_t missing_ = 0;  // those of `came_` that are not
+  std::uint64_t cycle_ = 0;
+  std::uint64_t last_event_ = 0;
+  Counts counts_;                        // but for `work` and `machine`
+  std::optional<sim::Counters> before_;  // of machines that were given up
+  std::uint64_t bytes_before_ = 0;
 };
 
-}  // namespace
+/// Reads all counters: not while rays are inside, as the machine runs on meanwhile.
+Counts RtlEngine::counts() {
+  const sim::Counters counters = snapshot();
+  Counts counts = counts_;
+  Work& work = counts.work;
+  work.steps = counters.sum("trv", "steps");
+  work.leaves = counters.sum("trv", "leaves");
+  work.full_leaves = counters.sum("trv", "full_leaves");
+  work.restarts = counters.sum("trv", "restarts") + counters.sum("trv", "restarts_after_tests");
+  work.a_tests = counters.sum("ist1", "a_passes");
+  work.b_tests = counters.sum("ist1", "b_passes");
+  work.c_tests = counters.sum("ist2", "c_passes");
 
-std::unique_ptr<Engine> make_rtl_engine(const Image& image, const Config& config,
-                                        const Tracer& model, const RtlOptions& options) {
-  if (config.name != config::kName || config.num_trv != config::kNumTrv ||
-      !(config.format == kFormat)) {
-    throw Error(
-        fmt::format("this program was built for the configuration {}, not for {}: start it by "
-                    "`make render CONFIG={}`",
-                    config::kName, config.name, config.name));
+  MachineCounts& machine = counts.machine.emplace();
+  machine.cycles = cycle_;
+  machine.memory_bytes = bytes_before_ + memory_->bytes();
+  for (const char* unit : {"trv", "list", "ist1"}) {
+    machine.caches.push_back({fmt::format("{}_l1", unit), counters.sum(unit, "l1_accesses"),
+                              counters.sum(unit, "l1_hits"), counters.sum(unit, "l1_merged"),
+                              counters.sum(unit, "l1_misses")});
   }
-  if (!(image.format() == kFormat)) {
-    throw Error(fmt::format(
-        "the image has the number format ({},{}), the RTL ({},{}): build the image again",
-        image.format().exp_bits, image.format().frac_bits, kFormat.exp_bits, kFormat.frac_bits));
-  }
-  return std::make_unique<RtlEngine>(image, model, options);
+  machine.units = counters.units();
+  return counts;
 }
 
+Engine* make_engine(const Image& image, const RtlOptions& options) {
+  return new RtlEngine(image, options);
+}
+
+}  // namespace
 }  // namespace ti
+
+extern "C" {
+[[gnu::visibility("default")]] extern const ti::RtlPlugin ti_rtl_plugin;
+const ti::RtlPlugin ti_rtl_plugin{
+    .interface = ti::RtlPlugin::kInterface, .config = ti::config::kJson, .make = &ti::make_engine};
+}

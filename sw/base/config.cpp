@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <bit>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
@@ -16,47 +18,87 @@ using Json = nlohmann::json;
 
 constexpr const char* kCure = "write it again with scripts/configure.py";
 
-/// The whole number under `key`, which must lie in [low, high].
-int integer(const Json& json, const std::string& file, const char* key, int low, int high) {
-  const auto it = json.find(key);
-  if (it == json.end()) {
-    throw Error(fmt::format("{}: the key `{}` is missing; {}", file, key, kCure));
-  }
-  const bool fits = it->is_number_integer() && *it >= low && *it <= high;
-  if (!fits) {
-    throw Error(fmt::format("{}: `{}` must be a whole number from {} to {}; {}", file, key, low,
-                            high, kCure));
-  }
-  return it->get<int>();
+/// Each `take` sets the member of a rule; false for a value that the rule does not allow.
+bool take(const IntRule& rule, const Json& value, Config& config) {
+  if (!value.is_number_integer() || value < rule.low || value > rule.high) return false;
+  config.*rule.member = value.get<int>();
+  return !rule.power || std::has_single_bit(value.get<unsigned>());
 }
+
+bool take(const BoolRule& rule, const Json& value, Config& config) {
+  if (!value.is_boolean()) return false;
+  config.*rule.member = value.get<bool>();
+  return true;
+}
+
+[[maybe_unused]] bool take(const FloatRule& rule, const Json& value, Config& config) {
+  if (!value.is_number()) return false;
+  config.*rule.member = value.get<double>();
+  return config.*rule.member >= rule.low && config.*rule.member <= rule.high;
+}
+
+template <typename Enum>
+bool take(const EnumRule<Enum>& rule, const Json& value, Config& config) {
+  if (!value.is_string()) return false;
+  const auto it = std::find(rule.names.begin(), rule.names.end(), value.get<std::string>());
+  config.*rule.member = static_cast<Enum>(it - rule.names.begin());
+  return it != rule.names.end();
+}
+
+/// Reads an object, and remembers which of its keys were read.
+class Reader {
+ public:
+  Reader(const Json& json, std::string file) : rest_(json), file_(std::move(file)) {}
+
+  std::string text(const char* key) {
+    const Json value = find(key);
+    if (!value.is_string()) {
+      throw Error(fmt::format("{}: `{}` must be a string; {}", file_, key, kCure));
+    }
+    return value.get<std::string>();
+  }
+
+  template <typename Rule>
+  void read(const Rule& rule, Config& config) {
+    if (take(rule, find(rule.name), config)) return;
+    throw Error(fmt::format("{}: `{}` must be {}; {}", file_, rule.name, rule.allowed, kCure));
+  }
+
+  void end() const {
+    if (rest_.empty()) return;
+    throw Error(fmt::format("{}: unknown key `{}`; {}", file_, rest_.begin().key(), kCure));
+  }
+
+ private:
+  Json find(const char* key) {
+    const auto it = rest_.find(key);
+    if (it == rest_.end()) {
+      throw Error(fmt::format("{}: the key `{}` is missing; {}", file_, key, kCure));
+    }
+    Json value = *it;
+    rest_.erase(it);
+    return value;
+  }
+
+  Json rest_;
+  std::string file_;
+};
 
 }  // namespace
 
 Config load_config(const std::filesystem::path& path) {
-  const std::string file = path.string();
   const Json json = Json::parse(read_file(path), nullptr, false);
   if (!json.is_object()) {
-    throw Error(fmt::format("{}: this is not a JSON object; {}", file, kCure));
+    throw Error(fmt::format("{}: this is not a JSON object; {}", path.string(), kCure));
   }
-  const auto name = json.find("name");
-  if (name == json.end() || !name->is_string()) {
-    throw Error(fmt::format("{}: the key `name` is missing or not a string; {}", file, kCure));
-  }
-  constexpr int kMany = 1 << 20;
-  Config c;
-  c.name = name->get<std::string>();
-  c.format.exp_bits = integer(json, file, "exp_bits", 3, 8);
-  c.format.frac_bits = integer(json, file, "frac_bits", 2, 23);
-  c.num_trv = integer(json, file, "num_trv", 1, kMany);
-  c.num_list = integer(json, file, "num_list", 1, kMany);
-  c.num_ist1 = integer(json, file, "num_ist1", 1, kMany);
-  c.trv_slots = integer(json, file, "trv_slots", 1, kMany);
-  c.stack_depth = integer(json, file, "stack_depth", 1, kMany);
-  c.line_bytes = integer(json, file, "line_bytes", 1, kMany);
-  c.deal_tile = integer(json, file, "deal_tile", 1, kMany);
-  c.watchdog_steps = integer(json, file, "watchdog_steps", 1, 65535);
-  c.clock_mhz = integer(json, file, "clock_mhz", 1, kMany);
-  return c;
+  Reader reader(json, path.string());
+  Config config;
+  config.name = reader.text("name");
+  config.json = json.dump();
+  std::apply([&](const auto&... rule) { (reader.read(rule, config), ...); }, kConfigRules);
+  reader.end();
+  config.format = {config.exp_bits, config.frac_bits};
+  return config;
 }
 
 }  // namespace ti

@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -9,11 +11,16 @@
 
 #include "base/error.hpp"
 #include "cli/hardcases.hpp"
+#include "cli/progress.hpp"
 #include "cli/ray_source.hpp"
+#include "cli/summary.hpp"
 #include "engine/session.hpp"
 #include "io/file.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"
+#include "render/heat_map.hpp"
+#include "render/shade.hpp"
+#include "report/report.hpp"
 #include "scene/rays.hpp"
 
 namespace {
@@ -24,6 +31,7 @@ using ti::Error;
 constexpr int kGood = 0;
 constexpr int kChecksFailed = 1;
 constexpr int kBadInput = 2;
+constexpr int kInterrupted = 130;
 
 struct Arguments {
   std::string config_file;
@@ -34,7 +42,9 @@ struct Arguments {
   std::string cases_file;
   int spp = 1;
   std::uint64_t seed = 1;
+  int waves = 1;
   bool dump = false;
+  bool progress = true;
 };
 
 struct Size {
@@ -62,12 +72,96 @@ ti::Scene load(const Arguments& arguments) {
   return scene;
 }
 
-void dump(const std::filesystem::path& folder, std::span<const ti::Hit> hits) {
-  ti::save_hits(folder / "hits.npy", hits);
-  ti::save_prims(folder / "prims.npy", hits);
+/// Set by the first SIGINT; the second ends the program at once.
+std::atomic<bool> interrupted{false};
+
+void stop_at_interrupt(Arguments& arguments) {
+  std::signal(SIGINT, [](int) {
+    interrupted = true;
+    std::signal(SIGINT, SIG_DFL);
+  });
+  arguments.run.stop = &interrupted;
 }
 
-int render(const Arguments& arguments) {
+/// The files of a run in its folder; the report is the last.
+class Files {
+ public:
+  explicit Files(const Arguments& arguments) : folder_(arguments.run.out) {}
+
+  void add(const std::string& name, std::string bytes) {
+    files_.emplace_back(name, std::move(bytes));
+  }
+  void add_dump(const Arguments& arguments, std::span<const ti::Ray> rays, const ti::Wave& wave,
+                bool hits) {
+    if (arguments.dump) add("rays.npy", ti::rays_npy(rays.first(wave.hits.size())));
+    if (arguments.dump || hits) {
+      add("hits.npy", ti::hits_npy(wave.hits));
+      add("prims.npy", ti::prims_npy(wave.hits));
+    }
+    if (!arguments.dump || arguments.run.engine == EngineKind::Embree) return;
+    add("steps.npy", ti::steps_npy(wave.hits));
+    add("tests.npy", ti::tests_npy(wave.tests));
+  }
+  void write() const {
+    std::vector<std::pair<std::filesystem::path, std::string_view>> files;
+    std::string names;
+    for (const auto& [name, bytes] : files_) {
+      files.emplace_back(folder_ / name, bytes);
+      names += (names.empty() ? "" : ", ") + name;
+    }
+    ti::write_files(files);
+    fmt::print("{}: {}\n", folder_.string(), names);
+  }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::pair<std::string, std::string>> files_;
+};
+
+/// A session with the progress of the engine on the terminal.
+ti::Session start(Arguments& arguments, ti::Progress& progress) {
+  if (arguments.progress) {
+    arguments.run.rtl.progress = [&progress](std::uint64_t rays, std::uint64_t cycles) {
+      progress.update(rays, cycles);
+    };
+  }
+  ti::Session session(arguments.run, load(arguments));
+  session.require_triangles();
+  print_tree(session);
+  return session;
+}
+
+/// Traces rays in the waves that were asked for.
+void trace_waves(ti::Session& session, std::span<const ti::Ray> rays, int waves,
+                 ti::Report& report) {
+  const auto count = static_cast<std::size_t>(waves);
+  for (std::size_t i = 0; i < count && !report.total.stopped; ++i) {
+    const std::size_t begin = rays.size() * i / count;
+    const std::size_t end = rays.size() * (i + 1) / count;
+    report.add(session.trace(rays.subspan(begin, end - begin)));
+  }
+}
+
+int finish(const ti::Report& report, const ti::Session& session, Files& files) {
+  files.add("report.json", ti::to_json(report, session));
+  ti::print_summary(report, session);
+  files.write();
+  if (report.total.stopped) {
+    fmt::print("interrupted: what is written is of the first {} rays\n", report.total.hits.size());
+    return kInterrupted;
+  }
+  return report.total.good() ? kGood : kChecksFailed;
+}
+
+/// Adds a picture of a count a pixel.
+void add_heat_map(Files& files, const char* what, const std::vector<std::uint64_t>& per_pixel,
+                  int spp, const Size& size) {
+  ti::HeatMap map = ti::heat_map(per_pixel, spp, size.width, size.height);
+  fmt::print("{0}.png: {0} a ray, from 0 (dark) to {1:.0f} and more (bright)\n", what, map.top);
+  files.add(fmt::format("{}.png", what), std::move(map.png));
+}
+
+int render(Arguments& arguments) {
   const Size size = parse_size(arguments.size);
   ti::check_folder(arguments.run.out);
   if (arguments.effects != "none") {
@@ -76,30 +170,45 @@ int render(const Arguments& arguments) {
   }
   if (arguments.spp < 1 || arguments.spp > 4096)
     throw Error(fmt::format("SPP={}: give 1 to 4096", arguments.spp));
-  const ti::Session session(arguments.run, load(arguments));
+  arguments.run.tests = true;
+  const std::size_t pixel_count =
+      static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+  ti::Progress progress(pixel_count * static_cast<std::size_t>(arguments.spp));
+  ti::Session session = start(arguments, progress);
   const auto primary = ti::primary_rays(session.scene().camera, size.width, size.height,
                                         arguments.spp, arguments.seed);
-  const auto outcome = session.trace(primary.rays);
+  ti::Report report{.request = {.command = "render",
+                                .rays = {},
+                                .size = {{size.width, size.height}},
+                                .spp = arguments.spp,
+                                .effects = arguments.effects,
+                                .seed = arguments.seed},
+                    .total = {},
+                    .waves = {}};
+  trace_waves(session, primary.rays, arguments.waves, report);
 
-  const auto colours = ti::shade(session.scene(), primary.rays, outcome.hits);
-  std::vector<glm::vec3> pixels(static_cast<std::size_t>(size.width) *
-                                static_cast<std::size_t>(size.height));
+  const ti::Wave& wave = report.total;
+  const auto rays = std::span(primary.rays).first(wave.hits.size());
+  const auto colours = ti::shade(session.scene(), rays, wave.hits);
+  std::vector<glm::vec3> pixels(pixel_count);
+  std::vector<std::uint64_t> steps(pixel_count);
+  std::vector<std::uint64_t> tests(pixel_count);
   for (std::size_t i = 0; i < colours.size(); ++i) {
     pixels[primary.index[i]] += colours[i] / static_cast<float>(arguments.spp);
+    steps[primary.index[i]] += wave.hits[i].steps;
+    if (!wave.tests.empty()) tests[primary.index[i]] += wave.tests[i];
   }
-  const std::filesystem::path folder = arguments.run.out;
-  ti::save_png(folder / "image.png", pixels, size.width, size.height);
-  if (arguments.dump) {
-    ti::save_rays(folder / "rays.npy", primary.rays);
-    dump(folder, outcome.hits);
+  Files files(arguments);
+  files.add("image.png", ti::png_of(pixels, size.width, size.height));
+  if (arguments.run.engine != EngineKind::Embree) {
+    add_heat_map(files, "steps", steps, arguments.spp, size);
+    add_heat_map(files, "tests", tests, arguments.spp, size);
   }
-  ti::report(session, outcome, primary.rays.size(), folder);
-  fmt::print("{}: image.png, report.json{}\n", folder.string(),
-             arguments.dump ? ", rays.npy, hits.npy, prims.npy" : "");
-  return outcome.good() ? kGood : kChecksFailed;
+  files.add_dump(arguments, primary.rays, wave, false);
+  return finish(report, session, files);
 }
 
-int trace(const Arguments& arguments) {
+int trace(Arguments& arguments) {
   const ti::RaySource source = ti::parse_ray_source(arguments.rays);
   ti::check_folder(arguments.run.out);
   std::vector<ti::Ray> rays;
@@ -108,25 +217,35 @@ int trace(const Arguments& arguments) {
     if (rays.empty())
       throw Error(fmt::format("{}: the array holds no ray; give one ray a row", source.file));
   }
-  const ti::Session session(arguments.run, load(arguments));
+  arguments.run.tests = arguments.dump;
+  ti::Progress progress(source.file.empty() ? source.count : rays.size());
+  ti::Session session = start(arguments, progress);
   if (source.file.empty()) {
-    rays = ti::make_rays(source, session.scene(), *session.model(), arguments.run.config.format,
+    rays = ti::make_rays(source, session.scene(), session.model(), arguments.run.config.format,
                          arguments.seed);
   }
-  const auto outcome = session.trace(rays);
-  const std::filesystem::path folder = arguments.run.out;
-  if (arguments.dump) ti::save_rays(folder / "rays.npy", rays);
-  dump(folder, outcome.hits);
-  ti::report(session, outcome, rays.size(), folder);
-  fmt::print("{}: {}hits.npy, prims.npy, report.json\n", folder.string(),
-             arguments.dump ? "rays.npy, " : "");
-  return outcome.good() ? kGood : kChecksFailed;
+  if (arguments.run.log_ray && *arguments.run.log_ray >= rays.size()) {
+    throw Error(fmt::format("LOG_RAY={}: there are {} rays, numbered from 0",
+                            *arguments.run.log_ray, rays.size()));
+  }
+  ti::Report report{
+      .request = {.command = "trace", .rays = arguments.rays, .size = {}, .seed = arguments.seed},
+      .total = {},
+      .waves = {}};
+  trace_waves(session, rays, arguments.waves, report);
+  Files files(arguments);
+  files.add_dump(arguments, rays, report.total, true);
+  return finish(report, session, files);
 }
 
-int image(const Arguments& arguments) {
+int image(Arguments& arguments) {
   const std::filesystem::path& file = arguments.run.out;
   ti::check_folder(file.parent_path());
+  arguments.run.engine = EngineKind::Model;
+  arguments.run.truth = false;
   const ti::Session session(arguments.run, load(arguments));
+  session.require_triangles();
+  print_tree(session);
   const auto bytes = session.image().bytes();
   ti::write_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   fmt::print("{}: {} bytes\n", file.string(), bytes.size());
@@ -138,24 +257,14 @@ int hardcases(const Arguments& arguments) {
   const ti::Config& config = arguments.run.config;
   std::uint64_t mismatches = 0;
   const auto one = [&](const ti::Mesh& mesh, const ti::Ray& ray) {
-    if (arguments.run.engine == EngineKind::Embree) {
-      return ti::Truth(mesh, config.format).trace(std::span(&ray, 1)).front();
-    }
-    ti::BuildOptions build;
-    build.format = config.format;
-    ti::BuildStats stats;
-    const ti::Image image = ti::build_image(mesh, build, stats);
-    const auto model = ti::Tracer::create(
-        image, {.stack_depth = config.stack_depth, .watchdog_steps = config.watchdog_steps});
-    ti::RtlOptions rtl = arguments.run.rtl;
-    rtl.progress = false;
-    const auto engine = arguments.run.engine == EngineKind::Rtl
-                            ? ti::make_rtl_engine(image, config, *model, rtl)
-                            : ti::make_model_engine(*model);
-    const auto result = engine->trace(std::span(&ray, 1));
-    mismatches += result.lock_step.mismatches + result.lost + result.duplicated +
-                  (result.lock_step.work_differs ? 1 : 0);
-    return ti::hit_of(config.format, result.hits[0]);
+    ti::RunOptions options = arguments.run;
+    options.truth = false;
+    ti::Scene scene;
+    scene.mesh = mesh;
+    const ti::Wave wave = ti::Session(options, std::move(scene)).trace(std::span(&ray, 1));
+    mismatches += wave.lock_step.mismatches + wave.counts.lost + wave.counts.duplicated +
+                  (wave.lock_step.work_differs ? 1 : 0);
+    return wave.hits.front();
   };
   const int failures = ti::run_hardcases(cases, one, config.format);
   if (arguments.run.engine == EngineKind::Rtl)
@@ -200,8 +309,10 @@ void add_engine(CLI::App& command, Arguments& arguments) {
       ->check(CLI::Range(0.0, 0.99));
   command.add_option("--error-every", rtl.error_every,
                      "not 0: each n-th answer of the memory is an error");
-  command.add_flag("!--no-lock-step", rtl.lock_step, "do not compare each hit with the model");
-  command.add_flag("!--no-progress", rtl.progress, "no progress bar");
+  command.add_option("--rtl", arguments.run.library, "library of the RTL that `make engine` built");
+  command.add_flag("!--no-lock-step", arguments.run.lock_step,
+                   "do not compare each hit with the model");
+  command.add_flag("!--no-progress", arguments.progress, "no progress bar");
   command.add_flag("!--no-truth", arguments.run.truth,
                    "do not compare with Embree and exact arithmetic");
 }
@@ -224,7 +335,10 @@ void add_run(CLI::App& command, Arguments& arguments) {
   command.add_option("--seed", arguments.seed, "of the rays");
   command.add_option("--log-ray", arguments.run.log_ray,
                      "number of a ray whose steps are written, by model and RTL");
-  command.add_flag("--dump", arguments.dump, "write the rays and the hits too");
+  command.add_option("--waves", arguments.waves, "number of parts in which the rays are traced")
+      ->check(CLI::Range(1, 1000000));
+  command.add_flag("--dump", arguments.dump,
+                   "write rays, hits, and each ray's steps and tests too");
 }
 
 int run(int argc, char** argv) {
@@ -266,6 +380,7 @@ int run(int argc, char** argv) {
     return kBadInput;
   }
   arguments.run.config = ti::load_config(arguments.config_file);
+  stop_at_interrupt(arguments);
   if (render_command->parsed()) return render(arguments);
   if (trace_command->parsed()) return trace(arguments);
   if (image_command->parsed()) return image(arguments);

@@ -3,58 +3,54 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "accel/image.hpp"
 #include "base/config.hpp"
+#include "engine/counts.hpp"
 #include "model/tracer.hpp"
+#include "scene/mesh.hpp"
 #include "scene/ray.hpp"
 
 namespace ti {
 
-/// What the caches of one kind of unit did.
-struct CacheCounters {
-  std::string name;
-  std::uint64_t accesses = 0, hits = 0, merged = 0, misses = 0;
+/// What came back for one ray.
+struct Answer {
+  std::uint64_t ray = 0;    ///< its number, from 0 in the order of `Engine::submit`
+  HitBits hit;              ///< in the engine's number format
+  bool found = false;       ///< the engine's own word for a hit
+  std::uint64_t cycle = 0;  ///< the machine's cycle in which it came, as `MachineCounts` counts
 };
 
-/// What the units of one kind did: cycles by activity, summed over units and cores. The activities
-/// of a unit add up to the cycles.
-struct UnitAccount {
-  std::string unit;
-  std::uint64_t unit_cycles = 0;  ///< cycles times units
-  std::vector<std::pair<std::string, std::uint64_t>> activities;
-};
+/// Something that answers rays, for as long as it lives: caches stay warm and counters go on from
+/// one wave of rays to the next.
+///
+/// Rays are queued by `submit` and answered in any order by `poll`. One thread at a time.
+class Engine {
+ public:
+  virtual ~Engine() = default;
 
-/// What only the RTL can tell.
-struct RtlCounters {
-  std::uint64_t cycles = 0;
-  std::uint64_t dram_bytes = 0;
-  double seconds = 0.0;  ///< of the host, simulation and lock-step comparison together
-  double trv_busy = 0.0, list_busy = 0.0, ist1_busy = 0.0,
-         ist2_busy = 0.0;  ///< share of the cycles, mean over units
-  std::vector<CacheCounters> caches;
-  std::vector<UnitAccount> accounts;  ///< in the order of the pipeline; empty without counters
-};
+  /// Number format of the hits.
+  [[nodiscard]] virtual Format format() const = 0;
 
-/// Comparison with the model, ray by ray.
-struct LockStep {
-  bool on = false;
-  std::uint64_t mismatches = 0;       ///< hits, status or step counts that differ
-  bool work_differs = false;          ///< the sums over all rays differ
-  std::vector<std::string> examples;  ///< up to 4, what differs in which ray
-};
+  /// Queues rays behind those submitted before.
+  virtual void submit(std::span<const Ray> rays) = 0;
 
-struct EngineResult {
-  std::vector<HitBits> hits;  ///< in the order of the rays
-  Work work;
-  std::uint64_t lost = 0, duplicated = 0;
-  LockStep lock_step;
-  std::optional<RtlCounters> rtl;
+  /// Works until `least` more rays are answered or none is left, and appends the answers. Rays that
+  /// a machine has lost are left out, and counted; it is reset then, with cold caches.
+  virtual void poll(std::vector<Answer>& answers, std::size_t least) = 0;
+
+  /// Takes back the rays of the queue that the machine has not begun; how many. Those that it has
+  /// begun still come.
+  virtual std::size_t cancel() = 0;
+
+  /// What was done since the engine was made. Only while no ray is left inside.
+  [[nodiscard]] virtual Counts counts() = 0;
 };
 
 /// Settings of the simulated machine's surroundings.
@@ -64,27 +60,32 @@ struct RtlOptions {
   std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port, random initial state
   double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
   std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
-  bool lock_step = true;
-  bool progress = true;
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
   std::filesystem::path log_file;        ///< to this file
+  /// Called now and then with the rays answered and the cycles so far.
+  std::function<void(std::uint64_t rays, std::uint64_t cycles)> progress;
 };
 
-/// Something that answers rays.
-class Engine {
- public:
-  virtual ~Engine() = default;
-  [[nodiscard]] virtual EngineResult trace(std::span<const Ray> rays) = 0;
-};
-
-/// The RTL under Verilator, for the configuration that this program was built for. Throws `Error`
-/// when `config` is another one or when the program was built without the RTL. `image` and `model`
-/// must outlive it.
-[[nodiscard]] std::unique_ptr<Engine> make_rtl_engine(const Image& image, const Config& config,
-                                                      const Tracer& model,
+/// The RTL of one configuration under Verilator, from the shared library that `make engine` builds.
+/// Throws `Error` when `library` is none, or was built for another configuration or number format.
+/// `image` must outlive the engine.
+[[nodiscard]] std::unique_ptr<Engine> load_rtl_engine(const std::filesystem::path& library,
+                                                      const Image& image, const Config& config,
                                                       const RtlOptions& options);
 
-/// The bit-exact model alone.
-[[nodiscard]] std::unique_ptr<Engine> make_model_engine(const Tracer& model);
+/// The bit-exact model, which must outlive the engine; all processors work.
+[[nodiscard]] std::unique_ptr<Engine> make_model_engine(const Tracer& model, Format format);
+
+class Truth;
+/// Embree; `truth` must outlive the engine. Its hits are binary32 whatever the configuration.
+[[nodiscard]] std::unique_ptr<Engine> make_embree_engine(const Truth& truth);
+
+/// What a library of `load_rtl_engine` offers, under the name `ti_rtl_plugin`.
+struct RtlPlugin {
+  static constexpr int kInterface = 1;  ///< raised whenever this struct or `Engine` changes
+  int interface = kInterface;
+  const char* config = "";  ///< the keys that it was built for, as JSON
+  Engine* (*make)(const Image& image, const RtlOptions& options) = nullptr;
+};
 
 }  // namespace ti

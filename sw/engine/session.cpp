@@ -13,6 +13,12 @@
 namespace ti {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
 Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
   if (!options.image.empty())
     return load_image_of(options.image, scene.mesh, options.config.format, options.scene, stats);
@@ -26,90 +32,150 @@ Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
   }
 }
 
-Image prepare(const Scene& scene, const RunOptions& options, BuildStats& stats) {
-  Image image = build(scene, options, stats);
-  if (stats.triangles != 0 &&
-      stats.dropped_nonfinite + stats.dropped_zero_area == stats.triangles) {
-    throw Error(fmt::format(
-        "{}: none of its {} triangles is usable ({} not finite, {} of zero area); correct the mesh",
-        options.scene.string(), stats.triangles, stats.dropped_nonfinite, stats.dropped_zero_area));
-  }
-  for (const std::string& warning : scene.warnings) fmt::print("warning: {}\n", warning);
-  if (const std::string warning = dropped_warning(stats); !warning.empty())
-    fmt::print("warning: {}\n", warning);
-  fmt::print(
-      "tree: {} triangles, {} nodes, {} leaves ({} empty), {:.2f} references a triangle, depth {}, "
-      "{}\n",
-      stats.triangles, stats.nodes, stats.leaves, stats.empty_leaves,
-      stats.triangles ? static_cast<double>(stats.references) / stats.triangles : 0.0, stats.depth,
-      options.image.empty() ? fmt::format("{:.2f} s", stats.seconds)
-                            : "from " + options.image.string());
-  return image;
+std::filesystem::path log_file(const RunOptions& options, const char* who) {
+  return options.out / fmt::format("ray-{}.{}.log", *options.log_ray, who);
 }
 
 }  // namespace
 
-Session::Session(const RunOptions& options, Scene scene)
-    : options_(options), scene_(std::move(scene)), image_(prepare(scene_, options_, stats_)) {}
+HostTimes& HostTimes::operator+=(const HostTimes& other) {
+  engine += other.engine;
+  lock_step += other.lock_step;
+  truth += other.truth;
+  return *this;
+}
 
-std::uint64_t Session::Outcome::with_status(Status status) const {
+Wave& Wave::operator+=(const Wave& next) {
+  const std::uint64_t start = counts.machine ? counts.machine->cycles : 0;
+  for (const std::uint64_t cycle : next.answered) answered.push_back(start + cycle);
+  hits.insert(hits.end(), next.hits.begin(), next.hits.end());
+  tests.insert(tests.end(), next.tests.begin(), next.tests.end());
+  counts += next.counts;
+  lock_step += next.lock_step;
+  if (truth && next.truth)
+    *truth += *next.truth;
+  else if (next.truth)
+    truth = next.truth;
+  times += next.times;
+  stopped = stopped || next.stopped;
+  return *this;
+}
+
+std::uint64_t Wave::with_status(Status status) const {
   return static_cast<std::uint64_t>(std::count_if(
       hits.begin(), hits.end(), [status](const Hit& hit) { return hit.status == status; }));
 }
 
-bool Session::Outcome::good() const {
-  return engine.lost == 0 && engine.duplicated == 0 && engine.lock_step.mismatches == 0 &&
-         !engine.lock_step.work_differs && (!truth || truth->unexplained == 0) &&
+bool Wave::good() const {
+  return counts.lost == 0 && counts.duplicated == 0 && lock_step.mismatches == 0 &&
+         !lock_step.work_differs && (!truth || truth->unexplained == 0) &&
          with_status(Status::MemoryError) == 0 && with_status(Status::Watchdog) == 0;
 }
 
-std::unique_ptr<Tracer> Session::model() const {
-  return Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
-                                 .watchdog_steps = options_.config.watchdog_steps});
+Session::Session(const RunOptions& options, Scene scene)
+    : options_(options),
+      scene_(std::move(scene)),
+      warnings_(scene_.warnings),
+      image_(build(scene_, options_, stats_)),
+      model_(Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
+                                     .watchdog_steps = options_.config.watchdog_steps})) {
+  if (const std::string warning = dropped_warning(stats_); !warning.empty())
+    warnings_.push_back(warning);
+  if (options_.truth || options_.engine == EngineKind::Embree)
+    truth_ = std::make_unique<Truth>(scene_.mesh, options_.config.format);
+  switch (options_.engine) {
+    case EngineKind::Rtl: {
+      RtlOptions rtl = options_.rtl;
+      if (options_.log_ray) {
+        rtl.log_ray = options_.log_ray;
+        rtl.log_file = log_file(options_, "rtl");
+      }
+      engine_ = load_rtl_engine(options_.library, image_, options_.config, rtl);
+      break;
+    }
+    case EngineKind::Model:
+      engine_ = make_model_engine(*model_, options_.config.format);
+      break;
+    case EngineKind::Embree:
+      engine_ = make_embree_engine(*truth_);
+      break;
+  }
 }
 
-void Session::log_steps(std::span<const Ray> rays, const Tracer& model,
-                        const std::filesystem::path& file) const {
+void Session::require_triangles() const {
+  if (stats_.triangles == 0 ||
+      stats_.dropped_nonfinite + stats_.dropped_zero_area != stats_.triangles)
+    return;
+  throw Error(fmt::format(
+      "{}: none of its {} triangles is usable ({} not finite, {} of zero area); correct the mesh",
+      options_.scene.string(), stats_.triangles, stats_.dropped_nonfinite,
+      stats_.dropped_zero_area));
+}
+
+void Session::log_steps(std::span<const Ray> rays) const {
   std::string text;
   Work work;
   const Tracer::Log line = [&text](const std::string& step) { text += step + "\n"; };
-  (void)model.trace(rays[*options_.log_ray], work, &line);
-  write_file(file, text);
+  (void)model_->trace(rays[*options_.log_ray - submitted_], work, &line);
+  write_file(log_file(options_, "model"), text);
 }
 
-Session::Outcome Session::trace(std::span<const Ray> rays) const {
-  if (options_.log_ray && *options_.log_ray >= rays.size()) {
-    throw Error(fmt::format("LOG_RAY={}: there are {} rays, numbered from 0", *options_.log_ray,
-                            rays.size()));
+std::vector<Answer> Session::answers_of(std::span<const Ray> rays, bool& stopped) {
+  constexpr std::size_t kAtOnce = 1024;  // answers between two looks at `stop`
+  std::vector<Answer> answers;
+  answers.reserve(rays.size());
+  engine_->submit(rays);
+  for (std::size_t before = 1; before != answers.size();) {
+    before = answers.size();
+    if (!stopped && options_.stop != nullptr && *options_.stop) stopped = engine_->cancel() != 0;
+    engine_->poll(answers, kAtOnce);
   }
-  const auto begin = std::chrono::steady_clock::now();
-  Outcome outcome;
-  if (options_.engine == EngineKind::Embree) {
-    outcome.hits = Truth(scene_.mesh, options_.config.format).trace(rays);
-  } else {
-    const auto model = this->model();
-    RtlOptions rtl = options_.rtl;
-    if (options_.log_ray) {
-      const auto log = [this](const char* who) {
-        return options_.out / fmt::format("ray-{}.{}.log", *options_.log_ray, who);
-      };
-      log_steps(rays, *model, log("model"));
-      rtl.log_ray = options_.log_ray;
-      rtl.log_file = log("rtl");
+  return answers;
+}
+
+Wave Session::trace(std::span<const Ray> rays) {
+  if (options_.log_ray && *options_.log_ray >= submitted_ &&
+      *options_.log_ray < submitted_ + rays.size() && options_.engine != EngineKind::Embree) {
+    log_steps(rays);
+  }
+  Wave wave;
+  const std::vector<Answer> answers = answers_of(rays, wave.stopped);
+  const Counts after = engine_->counts();
+  wave.counts = after - before_;
+  const std::uint64_t start = before_.machine ? before_.machine->cycles : 0;
+  before_ = after;
+  wave.times.engine = wave.counts.seconds;
+
+  // Rays are begun in their order, so those that a stop left out are the last.
+  if (wave.stopped) rays = rays.first(wave.counts.rays + wave.counts.lost);
+  wave.hits.resize(rays.size());
+  if (wave.counts.machine) wave.answered.resize(rays.size());
+  for (const Answer& answer : answers) {
+    const std::size_t i = answer.ray - submitted_;
+    wave.hits[i] = hit_of(engine_->format(), answer.hit);
+    if (wave.counts.machine) wave.answered[i] = answer.cycle - start;
+  }
+
+  auto begin = Clock::now();
+  const bool compare_rtl = options_.engine == EngineKind::Rtl && options_.lock_step;
+  if (compare_rtl || (options_.tests && options_.engine != EngineKind::Embree)) {
+    ModelRun model = run_model(*model_, rays);
+    if (compare_rtl) {
+      const bool counted = wave.counts.machine && !wave.counts.machine->units.empty() &&
+                           !wave.counts.machine->units.front().activities.empty();
+      wave.lock_step = compare(model, answers, submitted_, counted ? &wave.counts.work : nullptr,
+                               options_.rtl.error_every != 0);
     }
-    const auto engine = options_.engine == EngineKind::Rtl
-                            ? make_rtl_engine(image_, options_.config, *model, rtl)
-                            : make_model_engine(*model);
-    outcome.engine = engine->trace(rays);
-    outcome.hits.reserve(rays.size());
-    for (const HitBits& bits : outcome.engine.hits)
-      outcome.hits.push_back(hit_of(options_.config.format, bits));
+    wave.tests = std::move(model.tests);
+    wave.times.lock_step = seconds_since(begin);
   }
-  outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  begin = Clock::now();
   if (options_.truth && options_.engine != EngineKind::Embree) {
-    outcome.truth = Truth(scene_.mesh, options_.config.format).compare(rays, outcome.hits);
+    wave.truth = truth_->compare(rays, wave.hits);
+    wave.times.truth = seconds_since(begin);
   }
-  return outcome;
+  submitted_ += rays.size();
+  return wave;
 }
 
 }  // namespace ti

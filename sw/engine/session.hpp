@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "accel/build.hpp"
 #include "engine/engine.hpp"
+#include "engine/lock_step.hpp"
 #include "scene/scene.hpp"
 #include "truth/truth.hpp"
 
@@ -15,60 +18,89 @@ namespace ti {
 
 enum class EngineKind { Rtl, Model, Embree };
 
-/// What every command needs.
+/// What every run needs.
 struct RunOptions {
   Config config;
   std::filesystem::path scene;
   std::filesystem::path image;  ///< memory image in place of a tree that is built; empty: build
   EngineKind engine = EngineKind::Rtl;
+  std::filesystem::path library;  ///< of the RTL, for `EngineKind::Rtl`
   Layout layout = Layout::Odfl;
   RtlOptions rtl;
+  bool lock_step = true;                 ///< compare the RTL with the model
   bool truth = true;                     ///< compare with Embree and exact arithmetic
+  bool tests = false;                    ///< count the triangle tests of each ray
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits, by model and RTL
-  std::filesystem::path out;             ///< folder for what is written
+  std::filesystem::path out;             ///< folder for those logs
+  /// Set from outside, by a signal for example: rays that are not begun are left out.
+  const std::atomic<bool>* stop = nullptr;
 };
 
-/// A scene with its tree and the engine that traces it.
+/// Seconds of the host.
+struct HostTimes {
+  double engine = 0.0;     ///< in the engine, simulated or not
+  double lock_step = 0.0;  ///< in the model that checks it
+  double truth = 0.0;      ///< in Embree and exact arithmetic
+
+  HostTimes& operator+=(const HostTimes& other);
+};
+
+/// Rays that were traced together, and all that is known of them.
+struct Wave {
+  std::vector<Hit> hits;             ///< in the order of the rays; fewer when stopped
+  std::vector<std::uint32_t> tests;  ///< triangle tests of each ray; empty when not counted
+  /// Cycles from the start of the first wave to each answer, in the order of the rays; empty when
+  /// no machine traced them.
+  std::vector<std::uint64_t> answered;
+  Counts counts;
+  LockStep lock_step;
+  std::optional<TruthReport> truth;  ///< none when switched off or for Embree
+  HostTimes times;
+  bool stopped = false;  ///< rays at the end were left out
+
+  /// Puts a wave behind this one.
+  Wave& operator+=(const Wave& next);
+  /// Rays that retired with this status.
+  [[nodiscard]] std::uint64_t with_status(Status status) const;
+  /// No mismatch, nothing unexplained, lost or duplicated, no ray ended by the memory or the
+  /// watchdog.
+  [[nodiscard]] bool good() const;
+};
+
+/// A scene with its tree, its model, its truth and the engine that traces it, each made once.
 class Session {
  public:
-  /// Builds the tree, or loads its image, and prints a line on it. Throws `Error`, also for a mesh
-  /// that has triangles of which none is usable.
+  /// Builds the tree, or loads its image. Throws `Error`, also when the engine cannot be had.
   Session(const RunOptions& options, Scene scene);
 
-  struct Outcome {
-    std::vector<Hit> hits;
-    EngineResult engine;               ///< `hits` empty for Embree
-    std::optional<TruthReport> truth;  ///< none when switched off or for Embree
-    double seconds = 0.0;
+  /// Throws `Error` for a mesh that has triangles of which none is usable.
+  void require_triangles() const;
 
-    /// Rays that retired with this status.
-    [[nodiscard]] std::uint64_t with_status(Status status) const;
-    /// No mismatch, nothing unexplained, lost or duplicated, no ray ended by the memory or the
-    /// watchdog.
-    [[nodiscard]] bool good() const;
-  };
-  [[nodiscard]] Outcome trace(std::span<const Ray> rays) const;
+  /// Traces rays on the one engine, whose caches are as the wave before left them.
+  [[nodiscard]] Wave trace(std::span<const Ray> rays);
 
-  /// The bit-exact model for this configuration on this scene; must not outlive the session.
-  [[nodiscard]] std::unique_ptr<Tracer> model() const;
-
+  [[nodiscard]] const Tracer& model() const { return *model_; }
   [[nodiscard]] const RunOptions& options() const { return options_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const BuildStats& tree() const { return stats_; }
   [[nodiscard]] const Image& image() const { return image_; }
+  /// What a user should know of the scene and its tree, a sentence each.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
-  void log_steps(std::span<const Ray> rays, const Tracer& model,
-                 const std::filesystem::path& file) const;
+  void log_steps(std::span<const Ray> rays) const;
+  [[nodiscard]] std::vector<Answer> answers_of(std::span<const Ray> rays, bool& stopped);
 
   RunOptions options_;
   Scene scene_;
   BuildStats stats_;
+  std::vector<std::string> warnings_;
   Image image_;
+  std::unique_ptr<Tracer> model_;
+  std::unique_ptr<Truth> truth_;  // none when nothing asks for it
+  std::unique_ptr<Engine> engine_;
+  Counts before_;
+  std::uint64_t submitted_ = 0;
 };
-
-/// Writes `report.json` for `outcome` of `rays` rays, and prints the summary that people read.
-void report(const Session& session, const Session::Outcome& outcome, std::size_t rays,
-            const std::filesystem::path& folder);
 
 }  // namespace ti

@@ -32,7 +32,15 @@ std::string read_file(const fs::path& path) {
   return bytes;
 }
 
-void write_file(const fs::path& path, std::string_view bytes) {
+namespace {
+
+[[noreturn]] void cannot_write(const fs::path& path) {
+  throw Error(fmt::format("{}: the file cannot be written; check permissions and free space",
+                          path.string()));
+}
+
+/// Writes `bytes` to a temporary file beside `path`, making the folders above; its name.
+fs::path write_part(const fs::path& path, std::string_view bytes) {
   static std::atomic<unsigned> serial{0};
   std::error_code ec;
   if (path.filename().empty() || fs::is_directory(path, ec)) {
@@ -51,15 +59,30 @@ void write_file(const fs::path& path, std::string_view bytes) {
   std::ofstream out(part, std::ios::binary | std::ios::trunc);
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   out.close();
-  const bool written = !out.fail();
-  if (written) {
-    fs::rename(part, path, ec);
+  if (out.fail()) {
+    fs::remove(part, ec);
+    cannot_write(path);
   }
-  if (!written || ec) {
-    std::error_code ignored;
-    fs::remove(part, ignored);
-    throw Error(fmt::format("{}: the file cannot be written; check permissions and free space",
-                            path.string()));
+  return part;
+}
+
+}  // namespace
+
+void write_file(const fs::path& path, std::string_view bytes) { write_files({{path, bytes}}); }
+
+void write_files(const std::vector<std::pair<fs::path, std::string_view>>& files) {
+  std::vector<fs::path> parts;
+  std::error_code ec;
+  try {
+    for (const auto& [path, bytes] : files) parts.push_back(write_part(path, bytes));
+    if (files.size() > 1) fs::remove(files.back().first, ec);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      fs::rename(parts[i], files[i].first, ec);
+      if (ec) cannot_write(files[i].first);
+    }
+  } catch (const Error&) {
+    for (const fs::path& part : parts) fs::remove(part, ec);
+    throw;
   }
 }
 

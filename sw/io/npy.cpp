@@ -116,8 +116,7 @@ class HeaderParser {
   std::string_view text_;
 };
 
-void save(const std::filesystem::path& path, std::string_view descr, std::string_view shape,
-          std::string_view data) {
+std::string npy(std::string_view descr, std::string_view shape, std::string_view data) {
   std::string dict =
       fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", descr, shape);
   const std::size_t prefix = kMagic.size() + 4;
@@ -128,7 +127,7 @@ void save(const std::filesystem::path& path, std::string_view descr, std::string
       {'\x01', '\x00', static_cast<char>(dict.size() & 0xFF), static_cast<char>(dict.size() >> 8)};
   bytes += dict;
   bytes += data;
-  write_file(path, bytes);
+  return bytes;
 }
 
 template <typename T>
@@ -204,31 +203,45 @@ std::vector<Ray> load_rays(const std::filesystem::path& path) {
   return rays;
 }
 
-void save_rays(const std::filesystem::path& path, std::span<const Ray> rays) {
+std::string rays_npy(std::span<const Ray> rays) {
   std::vector<float> data;
   data.reserve(rays.size() * kRayFloats);
   for (const Ray& r : rays) {
     data.insert(data.end(), {r.o.x, r.o.y, r.o.z, r.tmin, r.d.x, r.d.y, r.d.z, r.tmax});
   }
-  save(path, "<f4", fmt::format("({}, 8)", rays.size()), bytes_of(data));
+  return npy("<f4", fmt::format("({}, 8)", rays.size()), bytes_of(data));
 }
 
-void save_hits(const std::filesystem::path& path, std::span<const Hit> hits) {
+std::string hits_npy(std::span<const Hit> hits) {
   std::vector<float> data;
   data.reserve(hits.size() * 3);
   for (const Hit& h : hits) {
     data.insert(data.end(), {h.t, h.u, h.v});
   }
-  save(path, "<f4", fmt::format("({}, 3)", hits.size()), bytes_of(data));
+  return npy("<f4", fmt::format("({}, 3)", hits.size()), bytes_of(data));
 }
 
-void save_prims(const std::filesystem::path& path, std::span<const Hit> hits) {
+std::string prims_npy(std::span<const Hit> hits) {
   std::vector<std::int32_t> data;
   data.reserve(hits.size());
   for (const Hit& h : hits) {
     data.push_back(h.prim);
   }
-  save(path, "<i4", fmt::format("({},)", hits.size()), bytes_of(data));
+  return npy("<i4", fmt::format("({},)", hits.size()), bytes_of(data));
+}
+
+std::string steps_npy(std::span<const Hit> hits) {
+  std::vector<std::uint16_t> data;
+  data.reserve(hits.size());
+  for (const Hit& h : hits) {
+    data.push_back(h.steps);
+  }
+  return npy("<u2", fmt::format("({},)", hits.size()), bytes_of(data));
+}
+
+std::string tests_npy(std::span<const std::uint32_t> tests) {
+  return npy("<u4", fmt::format("({},)", tests.size()),
+             {reinterpret_cast<const char*>(tests.data()), tests.size_bytes()});
 }
 
 }  // namespace ti

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "scene/ray.hpp"
@@ -12,10 +13,17 @@ namespace ti {
 /// rays.npy: float32 [N,8]: origin xyz, tmin, direction xyz, tmax. Any other shape, type or a cut
 /// file throws `Error`.
 [[nodiscard]] std::vector<Ray> load_rays(const std::filesystem::path& path);
-void save_rays(const std::filesystem::path& path, std::span<const Ray> rays);
+// The bytes of the arrays that a run writes.
+
+/// rays.npy, as `load_rays` reads it.
+[[nodiscard]] std::string rays_npy(std::span<const Ray> rays);
 /// hits.npy: float32 [N,3]: t, u, v.
-void save_hits(const std::filesystem::path& path, std::span<const Hit> hits);
+[[nodiscard]] std::string hits_npy(std::span<const Hit> hits);
 /// prims.npy: int32 [N].
-void save_prims(const std::filesystem::path& path, std::span<const Hit> hits);
+[[nodiscard]] std::string prims_npy(std::span<const Hit> hits);
+/// steps.npy: uint16 [N], nodes visited.
+[[nodiscard]] std::string steps_npy(std::span<const Hit> hits);
+/// tests.npy: uint32 [N], triangles tested.
+[[nodiscard]] std::string tests_npy(std::span<const std::uint32_t> tests);
 
 }  // namespace ti

@@ -14,7 +14,6 @@
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
-#include "io/file.hpp"
 
 namespace ti {
 
@@ -34,29 +33,33 @@ void append(void* context, void* data, int size) {
 
 }  // namespace
 
-void save_png(const std::filesystem::path& path, std::span<const glm::vec3> linear, int width,
-              int height) {
+std::string png_of(std::span<const unsigned char> rgb, int width, int height) {
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
-    throw Error(fmt::format("{}: a picture of {}x{} cannot be written; choose 1 to {} a side",
-                            path.string(), width, height, kMaxSide));
+    throw Error(fmt::format("a picture of {}x{} cannot be written; choose 1 to {} a side", width,
+                            height, kMaxSide));
   }
-  check_ray_count(path.string(), static_cast<std::uint64_t>(width),
-                  static_cast<std::uint64_t>(height));
-  if (linear.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
-    throw Error(fmt::format("{}: {} colours do not fill {}x{} pixels; give one a pixel",
-                            path.string(), linear.size(), width, height));
+  check_ray_count(fmt::format("a picture of {}x{}", width, height),
+                  static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height));
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (rgb.size() != 3 * pixels) {
+    throw Error(fmt::format("{} values do not fill {}x{} pixels; give three a pixel", rgb.size(),
+                            width, height));
   }
+  std::string bytes;
+  if (stbi_write_png_to_func(append, &bytes, width, height, 3, rgb.data(), width * 3) == 0) {
+    throw Error(
+        fmt::format("the picture of {}x{} cannot be encoded; choose a smaller one", width, height));
+  }
+  return bytes;
+}
+
+std::string png_of(std::span<const glm::vec3> linear, int width, int height) {
   std::vector<unsigned char> rgb;
   rgb.reserve(linear.size() * 3);
   for (const glm::vec3& c : linear) {
     rgb.insert(rgb.end(), {srgb(c.x), srgb(c.y), srgb(c.z)});
   }
-  std::string bytes;
-  if (stbi_write_png_to_func(append, &bytes, width, height, 3, rgb.data(), width * 3) == 0) {
-    throw Error(fmt::format("{}: the picture of {}x{} cannot be encoded; choose a smaller one",
-                            path.string(), width, height));
-  }
-  write_file(path, bytes);
+  return png_of(rgb, width, height);
 }
 
 }  // namespace ti

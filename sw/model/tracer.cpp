@@ -5,7 +5,10 @@
 
 #include <array>
 #include <mutex>
+#include <span>
+#include <utility>
 
+#include "base/config_keys.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "model/fp.hpp"
@@ -113,10 +116,9 @@ constexpr Maker kMaker{{T::Number::kExpBits, T::Number::kFracBits},
 template <class F>
 using KdLocal = TracerOf<F, model::KdTree<F>, model::LocalTest<F>>;
 
-constexpr std::array kMakers{kMaker<KdLocal<Fp<8, 23>>>, kMaker<KdLocal<Fp<8, 20>>>,
-                             kMaker<KdLocal<Fp<7, 16>>>, kMaker<KdLocal<Fp<8, 16>>>,
-                             kMaker<KdLocal<Fp<8, 13>>>, kMaker<KdLocal<Fp<5, 10>>>,
-                             kMaker<KdLocal<Fp<8, 10>>>};
+constexpr auto kMakers = []<std::size_t... I>(std::index_sequence<I...>) {
+  return std::array{kMaker<KdLocal<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>>>...};
+}(std::make_index_sequence<std::size(kModelFormats)>{});
 
 }  // namespace
 
@@ -145,8 +147,7 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
   }
   throw Error(
       fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it "
-                  "to kMakers in "
-                  "sw/model/tracer.cpp",
+                  "to `formats` in configs/schema.yaml",
                   image.format().exp_bits, image.format().frac_bits, tracer_formats()));
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "render/shade.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "scene/geometry.hpp"
-#include "scene/rays.hpp"
 
 namespace ti {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "report/report.hpp"
+
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
-
-#include "engine/session.hpp"
-#include "io/file.hpp"
 
 namespace ti {
 namespace {
@@ -24,42 +24,74 @@ const char* name_of(EngineKind kind) {
 }
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : 0.0; }
+double ratio(std::uint64_t part, std::uint64_t whole) {
+  return ratio(static_cast<double>(part), static_cast<double>(whole));
+}
+
+/// `value`, or null when it is not known.
+template <typename T>
+ordered_json if_known(bool known, const T& value) {
+  return known ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json provenance_json(const Report& report, const Session& session) {
+  const RunOptions& options = session.options();
+  const Request& request = report.request;
+  ordered_json json = {
+      {"commit", commit()},
+      {"command", request.command},
+      {"scene", options.scene.filename().string()},
+      {"rays", request.command == "trace" ? ordered_json(request.rays) : ordered_json(nullptr)},
+      {"seed", request.seed},
+      {"size", nullptr},
+      {"spp", if_known(request.size.has_value(), request.spp)},
+      {"effects", if_known(request.size.has_value(), request.effects)},
+      {"layout", options.layout == Layout::Odfl ? "odfl" : "dfl"},
+      {"image_given", !options.image.empty()},
+      {"waves", report.waves.size()}};
+  if (request.size) json["size"] = *request.size;
+  return json;
+}
+
+/// What was switched on in the simulation and its checks.
+ordered_json switches_json(const RunOptions& options) {
+  return {{"lock_step", options.lock_step && options.engine == EngineKind::Rtl},
+          {"truth", options.truth && options.engine != EngineKind::Embree},
+          {"stall_seed", options.rtl.stall_seed},
+          {"stall_share", options.rtl.stall_seed != 0 ? options.rtl.stall_share : 0.0},
+          {"error_every", options.rtl.error_every}};
+}
 
 ordered_json tree_json(const Session& session) {
   const BuildStats& tree = session.tree();
   const bool built = session.options().image.empty();
-  const auto when_built = [built](double value) {
-    return built ? ordered_json(value) : ordered_json(nullptr);
-  };
   return {{"nodes", tree.nodes},
           {"leaves", tree.leaves},
           {"empty_leaves", tree.empty_leaves},
           {"depth", tree.depth},
           {"references", tree.references},
           {"largest_leaf", tree.largest_leaf},
-          {"sah_cost", when_built(tree.sah_cost)},
-          {"build_seconds", when_built(tree.seconds)},
+          {"sah_cost", if_known(built, tree.sah_cost)},
           {"dropped_zero_area", tree.dropped_zero_area},
           {"dropped_nonfinite", tree.dropped_nonfinite}};
 }
 
-ordered_json check_json(const Session::Outcome& outcome) {
+ordered_json check_json(const Wave& total) {
   ordered_json check;
-  const LockStep& lock_step = outcome.engine.lock_step;
+  const LockStep& lock_step = total.lock_step;
   check["lock_step"] = lock_step.on;
-  check["model_mismatches"] =
-      lock_step.on ? ordered_json(lock_step.mismatches) : ordered_json(nullptr);
+  check["model_mismatches"] = if_known(lock_step.on, lock_step.mismatches);
   check["work_differs"] = lock_step.work_differs;
   check["truth_unexplained"] =
-      outcome.truth ? ordered_json(outcome.truth->unexplained) : ordered_json(nullptr);
-  check["lost"] = outcome.engine.lost;
-  check["duplicated"] = outcome.engine.duplicated;
-  check["status"] = {{"ok", outcome.with_status(Status::Ok)},
-                     {"invalid_ray", outcome.with_status(Status::InvalidRay)},
-                     {"memory_error", outcome.with_status(Status::MemoryError)},
-                     {"watchdog", outcome.with_status(Status::Watchdog)}};
-  if (outcome.truth) {
-    const TruthReport& truth = *outcome.truth;
+      total.truth ? ordered_json(total.truth->unexplained) : ordered_json(nullptr);
+  check["lost"] = total.counts.lost;
+  check["duplicated"] = total.counts.duplicated;
+  check["status"] = {{"ok", total.with_status(Status::Ok)},
+                     {"invalid_ray", total.with_status(Status::InvalidRay)},
+                     {"memory_error", total.with_status(Status::MemoryError)},
+                     {"watchdog", total.with_status(Status::Watchdog)}};
+  if (total.truth) {
+    const TruthReport& truth = *total.truth;
     check["truth"] = {{"agree", truth.agree},      {"embree_wrong", truth.embree_wrong},
                       {"tie", truth.tie},          {"edge", truth.edge},
                       {"grazing", truth.grazing},  {"unexplained", truth.unexplained},
@@ -68,170 +100,138 @@ ordered_json check_json(const Session::Outcome& outcome) {
   return check;
 }
 
-ordered_json machine_json(const Session& session, const Session::Outcome& outcome,
-                          std::size_t rays) {
-  ordered_json json;
-  const Work& work = outcome.engine.work;
-  const double n = static_cast<double>(rays);
-  const bool rtl = outcome.engine.rtl.has_value();
-  const RtlCounters counters = rtl ? *outcome.engine.rtl : RtlCounters{};
-  const auto when_rtl = [rtl](double value) {
-    return rtl ? ordered_json(value) : ordered_json(nullptr);
-  };
-  const double cycles = static_cast<double>(counters.cycles);
-  const double rays_per_cycle = ratio(n, cycles);
-
-  json["cycles"] = rtl ? ordered_json(counters.cycles) : ordered_json(nullptr);
-  json["clock_mhz"] = session.options().config.clock_mhz;
-  json["mrays_per_s"] = when_rtl(rays_per_cycle * session.options().config.clock_mhz);
-  json["rays_per_cycle"] = when_rtl(rays_per_cycle);
-  json["per_ray"] = {{"steps", ratio(static_cast<double>(work.steps), n)},
-                     {"leaves", ratio(static_cast<double>(work.leaves), n)},
-                     {"full_leaves", ratio(static_cast<double>(work.full_leaves), n)},
-                     {"tests", ratio(static_cast<double>(work.a_tests), n)},
-                     {"restarts", ratio(static_cast<double>(work.restarts), n)},
-                     {"dram_bytes", when_rtl(ratio(static_cast<double>(counters.dram_bytes), n))}};
-  json["phase"] = {
-      {"a_tests", work.a_tests},
-      {"b_share", ratio(static_cast<double>(work.b_tests), static_cast<double>(work.a_tests))},
-      {"c_share", ratio(static_cast<double>(work.c_tests), static_cast<double>(work.a_tests))}};
-  json["utilization"] = {{"trv", when_rtl(counters.trv_busy)},
-                         {"list", when_rtl(counters.list_busy)},
-                         {"ist1", when_rtl(counters.ist1_busy)},
-                         {"ist2", when_rtl(counters.ist2_busy)}};
-  json["stalls"] = ordered_json::object();
-  for (const UnitAccount& account : counters.accounts) {
-    for (const auto& [activity, cycles_so] : account.activities) {
-      json["stalls"][account.unit][activity] =
-          ratio(static_cast<double>(cycles_so), static_cast<double>(account.unit_cycles));
-    }
-  }
-  json["cache"] = ordered_json::object();
-  for (const CacheCounters& cache : counters.caches) {
-    json["cache"][cache.name] = {{"accesses", cache.accesses},
-                                 {"hits", cache.hits},
-                                 {"merged", cache.merged},
-                                 {"misses", cache.misses}};
+ordered_json caches_json(const MachineCounts& machine) {
+  ordered_json json = ordered_json::object();
+  for (const CacheCounts& cache : machine.caches) {
+    json[cache.name] = {{"accesses", cache.accesses},
+                        {"hits", cache.hits},
+                        {"merged", cache.merged},
+                        {"misses", cache.misses}};
   }
   return json;
 }
 
-/// What each kind of unit did, in percent of its cycles.
-void print_accounts(const std::vector<UnitAccount>& accounts) {
-  if (accounts.empty()) return;
-  fmt::print("  % of cycles");
-  for (const auto& [activity, cycles] : accounts.front().activities)
-    fmt::print(" {:>11}", activity);
-  fmt::print("\n");
-  for (const UnitAccount& account : accounts) {
-    fmt::print("  {:11}", account.unit);
-    for (const auto& [activity, cycles] : account.activities) {
-      fmt::print(" {:11.1f}", 100 * ratio(static_cast<double>(cycles),
-                                          static_cast<double>(account.unit_cycles)));
-    }
-    fmt::print("\n");
-  }
+/// Share of the cycles in which the units of a kind worked.
+double busy(const MachineCounts& machine, const char* name, std::uint64_t operations) {
+  const UnitCounts* unit = machine.unit(name);
+  return unit == nullptr ? 0.0 : ratio(operations, machine.cycles * unit->units);
 }
 
-void print_status(const Session::Outcome& outcome, std::size_t rays) {
-  const auto line = [&outcome, rays](Status status, const char* what) {
-    if (const auto count = outcome.with_status(status); count != 0)
-      fmt::print("status:  {} of {} rays {}\n", count, rays, what);
-  };
-  line(Status::InvalidRay, "are invalid: a number that is not finite, or no direction");
-  line(Status::MemoryError, "ended with an error of the memory");
-  line(Status::Watchdog, "were ended by the watchdog");
+ordered_json machine_json(const Session& session, const Counts& counts) {
+  ordered_json json;
+  const Work& work = counts.work;
+  const bool rtl = counts.machine.has_value();
+  const MachineCounts machine = counts.machine.value_or(MachineCounts{});
+  const double rays_per_cycle = ratio(counts.rays, machine.cycles);
+  const int mhz = session.options().config.clock_mhz;
+  const auto per_ray = [&counts](std::uint64_t count) { return ratio(count, counts.rays); };
+
+  json["cycles"] = if_known(rtl, machine.cycles);
+  json["clock_mhz"] = mhz;
+  json["mrays_per_s"] = if_known(rtl, rays_per_cycle * mhz);
+  json["rays_per_cycle"] = if_known(rtl, rays_per_cycle);
+  json["per_ray"] = {{"steps", per_ray(work.steps)},
+                     {"leaves", per_ray(work.leaves)},
+                     {"full_leaves", per_ray(work.full_leaves)},
+                     {"tests", per_ray(work.a_tests)},
+                     {"restarts", per_ray(work.restarts)},
+                     {"dram_bytes", if_known(rtl, per_ray(machine.memory_bytes))}};
+  json["phase"] = {{"a_tests", work.a_tests},
+                   {"b_share", ratio(work.b_tests, work.a_tests)},
+                   {"c_share", ratio(work.c_tests, work.a_tests)}};
+  const std::uint64_t passes = work.a_tests + work.b_tests;
+  json["utilization"] = {{"trv", if_known(rtl, busy(machine, "trv", work.steps))},
+                         {"list", if_known(rtl, busy(machine, "list", work.a_tests))},
+                         {"ist1", if_known(rtl, busy(machine, "ist1", passes))},
+                         {"ist2", if_known(rtl, busy(machine, "ist2", work.c_tests))}};
+  json["stalls"] = ordered_json::object();
+  for (const UnitCounts& unit : machine.units) {
+    for (const auto& [activity, cycles] : unit.activities)
+      json["stalls"][unit.name][activity] = ratio(cycles, machine.cycles * unit.units);
+  }
+  json["cache"] = caches_json(machine);
+  return json;
 }
 
-void print_summary(const Session& session, const Session::Outcome& outcome, std::size_t rays) {
-  const double n = static_cast<double>(rays);
-  const Work& work = outcome.engine.work;
-  if (work.steps != 0) {
-    fmt::print(
-        "per ray: {:.1f} steps, {:.1f} leaves ({:.1f} with triangles), {:.1f} tests, {:.3f} "
-        "restarts; (b) {:.0f} % of "
-        "tests, (c) {:.0f} %\n",
-        static_cast<double>(work.steps) / n, static_cast<double>(work.leaves) / n,
-        static_cast<double>(work.full_leaves) / n, static_cast<double>(work.a_tests) / n,
-        static_cast<double>(work.restarts) / n,
-        100 * ratio(static_cast<double>(work.b_tests), static_cast<double>(work.a_tests)),
-        100 * ratio(static_cast<double>(work.c_tests), static_cast<double>(work.a_tests)));
+ordered_json waves_json(const Report& report) {
+  ordered_json json = ordered_json::array();
+  for (const Counts& wave : report.waves) {
+    const bool rtl = wave.machine.has_value();
+    const MachineCounts machine = wave.machine.value_or(MachineCounts{});
+    json.push_back({{"rays", wave.rays},
+                    {"cycles", if_known(rtl, machine.cycles)},
+                    {"dram_bytes", if_known(rtl, machine.memory_bytes)},
+                    {"cache", caches_json(machine)}});
   }
-  if (outcome.engine.rtl) {
-    const RtlCounters& rtl = *outcome.engine.rtl;
-    const double cycles = static_cast<double>(rtl.cycles);
-    fmt::print(
-        "machine: {} cycles, {:.3f} rays/cycle, {:.1f} Mrays/s at {} MHz; busy: TRV {:.0f} %, LIST "
-        "{:.0f} %, IST1 {:.0f} "
-        "%, IST2 {:.0f} %; {:.0f} B/ray from memory\n",
-        rtl.cycles, n / cycles, n / cycles * session.options().config.clock_mhz,
-        session.options().config.clock_mhz, 100 * rtl.trv_busy, 100 * rtl.list_busy,
-        100 * rtl.ist1_busy, 100 * rtl.ist2_busy, static_cast<double>(rtl.dram_bytes) / n);
-    for (const CacheCounters& cache : rtl.caches) {
-      fmt::print(
-          "  {:8s} {:>12} requests, {:5.1f} % hits, {:4.1f} % joined a line on its way\n",
-          cache.name, cache.accesses,
-          100 * ratio(static_cast<double>(cache.hits), static_cast<double>(cache.accesses)),
-          100 * ratio(static_cast<double>(cache.merged), static_cast<double>(cache.accesses)));
-    }
-    print_accounts(rtl.accounts);
-    fmt::print("simulation: {:.1f} s, {:.0f} cycles/s, {:.0f} rays/s\n", rtl.seconds,
-               cycles / rtl.seconds, n / rtl.seconds);
-  }
-  const LockStep& lock_step = outcome.engine.lock_step;
-  if (lock_step.on) {
-    fmt::print("model:   {} mismatches in {} rays; work {}; {} lost, {} duplicated\n",
-               lock_step.mismatches, rays, lock_step.work_differs ? "DIFFERS" : "equal",
-               outcome.engine.lost, outcome.engine.duplicated);
-    for (const std::string& example : lock_step.examples) fmt::print("  {}\n", example);
-  } else if (outcome.engine.rtl) {
-    fmt::print("model:   not compared; {} lost, {} duplicated\n", outcome.engine.lost,
-               outcome.engine.duplicated);
-  }
-  print_status(outcome, rays);
-  if (outcome.truth) {
-    const TruthReport& truth = *outcome.truth;
-    fmt::print(
-        "truth:   {} agree, {} ties, {} at an edge, {} grazing, {} where exact arithmetic "
-        "overrules Embree, {} "
-        "unexplained\n",
-        truth.agree, truth.tie, truth.edge, truth.grazing, truth.embree_wrong, truth.unexplained);
-    if (truth.unjudged > 0) {
-      fmt::print("         {} disagreements with Embree are not judged: that would take too long\n",
-                 truth.unjudged);
-    }
-    for (const std::string& example : truth.examples) fmt::print("  {}\n", example);
-  }
+  return json;
+}
+
+ordered_json spread_json(std::vector<std::uint32_t> values) {
+  if (values.empty()) return nullptr;
+  std::sort(values.begin(), values.end());
+  std::uint64_t sum = 0;
+  for (const std::uint32_t value : values) sum += value;
+  const std::size_t last = values.size() - 1;
+  return {{"mean", ratio(sum, values.size())},
+          {"median", values[last / 2]},
+          {"p99", values[last * 99 / 100]},
+          {"max", values[last]}};
 }
 
 }  // namespace
 
-void report(const Session& session, const Session::Outcome& outcome, std::size_t rays,
-            const std::filesystem::path& folder) {
+void Report::add(Wave wave) {
+  waves.push_back(wave.counts);
+  total += wave;
+}
+
+double Report::host_share() const {
+  const HostTimes& times = total.times;
+  return ratio(times.lock_step + times.truth, times.engine + times.lock_step + times.truth);
+}
+
+std::string to_json(const Report& report, const Session& session) {
   const RunOptions& options = session.options();
+  const Wave& total = report.total;
+  const Counts& counts = total.counts;
+  std::vector<std::uint32_t> steps;
+  for (const Hit& hit : total.hits) steps.push_back(hit.steps);
+
   ordered_json json;
+  json["schema"] = fmt::format("ti-report-{}", Report::kVersion);
+  json["provenance"] = provenance_json(report, session);
   json["config"] = options.config.name;
+  json["keys"] = ordered_json::parse(options.config.json);
+  json["switches"] = switches_json(options);
+  json["memory"] = {{"latency", options.rtl.memory_latency},
+                    {"bytes_per_cycle", options.rtl.memory_bytes_per_cycle}};
   json["scene"] = session.scene().name;
   json["engine"] = name_of(options.engine);
   json["format"] = {options.config.format.exp_bits, options.config.format.frac_bits};
   json["triangles"] = session.tree().triangles;
-  json["rays"] = rays;
-  json.update(machine_json(session, outcome, rays));
-  json["check"] = check_json(outcome);
-  const bool rtl = outcome.engine.rtl.has_value();
-  const double seconds = rtl ? outcome.engine.rtl->seconds : outcome.seconds;
-  json["sim"] = {
-      {"seconds", seconds},
-      {"cycles_per_s",
-       rtl ? ordered_json(ratio(static_cast<double>(outcome.engine.rtl->cycles), seconds))
-           : ordered_json(nullptr)},
-      {"rays_per_s", ratio(static_cast<double>(rays), seconds)}};
-  json["memory"] = {{"latency", options.rtl.memory_latency},
-                    {"bytes_per_cycle", options.rtl.memory_bytes_per_cycle}};
   json["tree"] = tree_json(session);
   json["image_bytes"] = session.image().bytes().size();
-  write_file(folder / "report.json", json.dump(2) + "\n");
-  print_summary(session, outcome, rays);
+  json["rays"] = total.hits.size();
+  json["hits"] = std::count_if(total.hits.begin(), total.hits.end(),
+                               [](const Hit& hit) { return hit.is_hit(); });
+  json["stopped"] = total.stopped;
+  json.update(machine_json(session, counts));
+  json["spread"] = {{"steps", options.engine == EngineKind::Embree ? ordered_json(nullptr)
+                                                                   : spread_json(std::move(steps))},
+                    {"tests", spread_json(total.tests)}};
+  json["waves"] = waves_json(report);
+  json["check"] = check_json(total);
+  const double cycles = counts.machine ? static_cast<double>(counts.machine->cycles) : 0.0;
+  const double seconds = counts.seconds;
+  json["sim"] = {{"seconds", seconds},
+                 {"cycles_per_s", if_known(counts.machine.has_value(), ratio(cycles, seconds))},
+                 {"rays_per_s", ratio(static_cast<double>(counts.rays), seconds)}};
+  json["time"] = {{"build", if_known(options.image.empty(), session.tree().seconds)},
+                  {"engine", total.times.engine},
+                  {"lock_step", total.times.lock_step},
+                  {"truth", total.times.truth},
+                  {"host_share", report.host_share()}};
+  return json.dump(2) + "\n";
 }
 
 }  // namespace ti

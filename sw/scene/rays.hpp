@@ -46,9 +46,4 @@ struct PrimaryRays {
 /// `count` rays with origins uniform in the box of the mesh and directions uniform on the sphere.
 [[nodiscard]] std::vector<Ray> inside_rays(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
-/// Linear colour of each hit by its geometric normal (two-sided), the lights of the scene (or a
-/// headlight) and its material; no secondary rays. Misses are the background.
-[[nodiscard]] std::vector<glm::vec3> shade(const Scene& scene, std::span<const Ray> rays,
-                                           std::span<const Hit> hits);
-
 }  // namespace ti

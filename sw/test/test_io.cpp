@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/config.hpp"
@@ -41,7 +42,7 @@ TEST_CASE("rays survive a round trip bit for bit") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Ray> rays{
       {.o = {1.0F, -0.0F, 1e-42F}, .tmin = 0.5F, .d = {nan, inf, -inf}, .tmax = 3e38F}, {}};
-  save_rays(dir / "a/b/rays.npy", rays);
+  write_file(dir / "a/b/rays.npy", rays_npy(rays));
   const auto back = load_rays(dir / "a/b/rays.npy");
   REQUIRE(back.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -59,20 +60,20 @@ TEST_CASE("rays survive a round trip bit for bit") {
 
 TEST_CASE("an array of no rays is written and read") {
   const TempDir dir;
-  save_rays(dir / "rays.npy", {});
+  write_file(dir / "rays.npy", rays_npy({}));
   CHECK(load_rays(dir / "rays.npy").empty());
 }
 
 TEST_CASE("arrays have the header and the data that NumPy writes") {
   const TempDir dir;
   const std::vector<Hit> hits{{.t = 1.0F, .u = 0.25F, .v = 0.5F, .prim = 7}, {}};
-  save_prims(dir / "prims.npy", hits);
+  write_file(dir / "prims.npy", prims_npy(hits));
   const std::string prims = bytes_of(dir / "prims.npy");
   const std::string dict = "{'descr': '<i4', 'fortran_order': False, 'shape': (2,), }";
   const std::string head = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + dict;
   CHECK(prims == head + std::string(127 - head.size(), ' ') + "\n" +
                      std::string("\x07\x00\x00\x00\xFF\xFF\xFF\xFF", 8));
-  save_hits(dir / "hits.npy", hits);
+  write_file(dir / "hits.npy", hits_npy(hits));
   const std::string out = bytes_of(dir / "hits.npy");
   CHECK(out.find("'<f4'") != std::string::npos);
   CHECK(out.find("(2, 3)") != std::string::npos);
@@ -130,7 +131,7 @@ TEST_CASE("each malformed array is refused by what is wrong with it") {
 
 TEST_CASE("an array of more rays than a run holds is refused before it is read") {
   const TempDir dir;
-  save_rays(dir / "a.npy", std::vector<Ray>(1));
+  write_file(dir / "a.npy", rays_npy(std::vector<Ray>(1)));
   std::filesystem::resize_file(dir / "a.npy", (kMaxRays + 5) * 32);  // a hole, which takes no room
   check_error([&] { (void)load_rays(dir / "a.npy"); }, {"a.npy", "2^26"});
 }
@@ -152,60 +153,70 @@ TEST_CASE("a picture has its size and is refused when its colours do not fill it
   const TempDir dir;
   std::vector<glm::vec3> colours(6, glm::vec3(0.5F, -1.0F, std::nanf("")));
   colours[5] = glm::vec3(std::numeric_limits<float>::infinity());
-  save_png(dir / "p/image.png", colours, 3, 2);
+  write_file(dir / "p/image.png", png_of(colours, 3, 2));
   const std::string png = bytes_of(dir / "p/image.png");
   REQUIRE(png.size() > 33);
   CHECK(png.substr(0, 8) == "\x89PNG\r\n\x1a\n");
   CHECK(png.substr(16, 10) == std::string("\0\0\0\3\0\0\0\2\x08\x02", 10));
-  check_error([&] { save_png(dir / "q.png", colours, 2, 2); }, {"q.png", "2x2"});
-  check_error([&] { save_png(dir / "q.png", {}, 0, 2); }, {"q.png", "0x2"});
-  check_error([&] { save_png(dir / "q.png", {}, 1, 100000); }, {"100000"});
-  check_error([&] { save_png(dir / "q.png", {}, 16384, 8192); }, {"q.png", "2^26"});
+  check_error([&] { (void)png_of(colours, 2, 2); }, {"2x2"});
+  check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 0, 2); }, {"0x2"});
+  check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 1, 100000); }, {"100000"});
+  check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 16384, 8192); },
+              {"16384x8192", "2^26"});
   CHECK_FALSE(std::filesystem::exists(dir / "q.png"));
 }
 
-constexpr const char* kConfig =
-    R"({"name": "odd", "exp_bits": 7, "frac_bits": 16, "num_trv": 3, "num_list": 1, "num_ist1": 2,
-        "trv_slots": 8, "stack_depth": 5, "line_bytes": 32, "deal_tile": 4,
-        "watchdog_steps": 999, "clock_mhz": 250, "more": [1]})";
+/// A configuration with all keys at their defaults, but for those of `changes`.
+nlohmann::json config_json(const nlohmann::json& changes = nlohmann::json::object()) {
+  nlohmann::json json{{"name", "odd"}};
+  const Config defaults;
+  std::apply([&](const auto&... rule) { ((json[rule.name] = defaults.*rule.member), ...); },
+             kConfigRules);
+  json.update(changes);
+  return json;
+}
 
 TEST_CASE("a configuration is read key by key") {
   const TempDir dir;
-  const Config c = load_config(dir.file("config.json", kConfig));
+  const nlohmann::json changes{{"exp_bits", 7},    {"frac_bits", 16},  {"num_trv", 3},
+                               {"trv_slots", 8},   {"stack_depth", 5}, {"watchdog_steps", 999},
+                               {"clock_mhz", 250}, {"counters", false}};
+  const nlohmann::json json = config_json(changes);
+  const Config c = load_config(dir.file("config.json", json.dump()));
   CHECK(c.name == "odd");
+  CHECK(nlohmann::json::parse(c.json) == json);
   CHECK(c.format == Format{7, 16});
   CHECK(c.num_trv == 3);
-  CHECK(c.num_list == 1);
-  CHECK(c.num_ist1 == 2);
-  CHECK(c.trv_slots == 8);
-  CHECK(c.stack_depth == 5);
-  CHECK(c.line_bytes == 32);
-  CHECK(c.deal_tile == 4);
-  CHECK(c.watchdog_steps == 999);
-  CHECK(c.clock_mhz == 250);
+  CHECK_FALSE(c.counters);
+  const auto same = [&](const auto& rule) {
+    const std::string key = rule.name;
+    INFO(key);
+    CHECK(json.at(key) == c.*rule.member);
+  };
+  std::apply([&](const auto&... rule) { (same(rule), ...); }, kConfigRules);
 }
 
-TEST_CASE("a configuration that lacks a key or has a wrong value is refused by its name") {
+TEST_CASE("a configuration with a missing, wrong or unknown key is refused by its name") {
   const TempDir dir;
-  const std::string good = kConfig;
-  const std::vector<std::string> keys{"name",       "exp_bits",  "frac_bits",      "num_trv",
-                                      "num_list",   "num_ist1",  "trv_slots",      "stack_depth",
-                                      "line_bytes", "deal_tile", "watchdog_steps", "clock_mhz"};
-  for (const std::string& key : keys) {
-    std::string text = good;
-    text.replace(text.find('"' + key + '"') + 1, key.size(), "other");
-    const auto path = dir.file("config.json", text);
-    check_error([&] { (void)load_config(path); }, {"config.json", "`" + key + "`", "missing"});
-  }
-  const auto with = [&](const std::string& from, const std::string& to) {
-    std::string text = good;
-    text.replace(text.find(from), from.size(), to);
-    return dir.file("config.json", text);
+  const nlohmann::json good = config_json();
+  const auto refused = [&](const nlohmann::json& json, const std::vector<std::string>& words) {
+    const auto path = dir.file("config.json", json.dump());
+    check_error([&] { (void)load_config(path); }, words);
   };
-  for (const char* value : {"2", "9", "7.5", "\"7\"", "null", "1e99"}) {
-    const auto path = with("\"exp_bits\": 7", std::string("\"exp_bits\": ") + value);
-    check_error([&] { (void)load_config(path); }, {"`exp_bits`", "from 3 to 8"});
+  for (const auto& [key, value] : good.items()) {
+    nlohmann::json json = good;
+    json.erase(key);
+    refused(json, {"config.json", "`" + key + "`", "missing"});
+    json = good;
+    json[key] = nullptr;
+    refused(json, {"config.json", "`" + key + "`", "must be"});
   }
+  refused(config_json({{"stack_deep", 1}}), {"config.json", "unknown key `stack_deep`"});
+  for (const nlohmann::json& value : nlohmann::json{2, 9, 7.5, "7", true, 1e99, -1}) {
+    refused(config_json({{"exp_bits", value}}), {"`exp_bits`", "from 3 to 8"});
+  }
+  refused(config_json({{"trv_slots", 24}}), {"`trv_slots`", "a power of two from 2 to 256"});
+  refused(config_json({{"counters", 1}}), {"`counters`", "true or false"});
   check_error([&] { (void)load_config(dir.file("c.json", "{\"name\": ")); }, {"not a JSON"});
   check_error([&] { (void)load_config(dir.file("c.json", "[]")); }, {"not a JSON"});
   check_error([&] { (void)load_config(dir / "none.json"); }, {"no such file"});

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "render/shade.hpp"
 #include "scene/random.hpp"
 #include "scene/rays.hpp"
 #include "test/support.hpp"

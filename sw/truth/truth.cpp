@@ -262,4 +262,18 @@ TruthReport Truth::compare(std::span<const Ray> rays, std::span<const Hit> hits)
   return tally.report(open.size() - judged);
 }
 
+TruthReport& TruthReport::operator+=(const TruthReport& other) {
+  rays += other.rays;
+  agree += other.agree;
+  embree_wrong += other.embree_wrong;
+  tie += other.tie;
+  edge += other.edge;
+  grazing += other.grazing;
+  unexplained += other.unexplained;
+  unjudged += other.unjudged;
+  for (const std::string& example : other.examples)
+    if (examples.size() < 8) examples.push_back(example);
+  return *this;
+}
+
 }  // namespace ti

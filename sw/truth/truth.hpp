@@ -28,6 +28,9 @@ struct TruthReport {
                 unexplained = 0;
   std::uint64_t unjudged = 0;         ///< of all these, left out by the limit of `Truth`
   std::vector<std::string> examples;  ///< up to 8 unexplained rays, one paste-able line each
+
+  /// Those of other rays behind these.
+  TruthReport& operator+=(const TruthReport& other);
 };
 
 /// What is right: Embree away from edges, exact rational arithmetic where the two disagree.

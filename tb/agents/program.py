@@ -99,15 +99,19 @@ def make(target, out=None, **variables):
 
 
 class Program:
-    """`ti` with the RTL of one configuration, or (`rtl` false) without any."""
+    """`ti` for one configuration, with its RTL or (`rtl` false) without any."""
+
+    path = ROOT / "build/sw/ti"
 
     def __init__(self, config, rtl=True):
-        self.config = ROOT / f"build/{config}/config/config.json"
-        self.path = ROOT / ("build/sw/ti" if not rtl else f"build/{config}/ti")
+        folder = ROOT / "build/config" / config
+        self.config = folder / "config.json"
+        self.library = folder / "engine/libti_rtl.so" if rtl else None
         self._engine = "rtl" if rtl else "model"
 
     def run(self, command, *arguments, config=None):
-        return call([self.path, command, "--config", config or self.config, *arguments])
+        words = ["--config", config or self.config, *arguments]
+        return call([self.path, command, *words, *self._rtl(words)])
 
     def trace(self, out, scene, rays, *options, **named):
         """`ti trace`; `engine` and `config` can be named."""
@@ -120,7 +124,12 @@ class Program:
         words = ["--engine", engine or self._engine, "--out", out, "--no-progress", *options]
         stored = isinstance(scene, Stored)
         words += ["--scene", scene.path, "--image", scene.image] if stored else ["--scene", scene]
-        return call([self.path, command, "--config", config or self.config, *words], out)
+        words = ["--config", config or self.config, *words]
+        return call([self.path, command, *words, *self._rtl(words)], out)
+
+    def _rtl(self, words):
+        """The library of the RTL, unless the words name another."""
+        return ["--rtl", self.library] if self.library and "--rtl" not in words else []
 
 
 def _environment():

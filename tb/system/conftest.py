@@ -22,21 +22,21 @@ def built(*targets, **variables):
 @pytest.fixture(scope="session")
 def ti():
     """`ti` without RTL, for the configuration tiny."""
-    built("build/sw/ti", "build/tiny/config/config.json", CONFIG="tiny")
+    built("sw", "config", CONFIG="tiny")
     return Program("tiny", rtl=False)
 
 
 @pytest.fixture(scope="session")
 def tiny():
     """`ti` with the RTL of the configuration tiny."""
-    built("engine", CONFIG="tiny")
+    built("engine", "build/sw/ti", CONFIG="tiny")
     return Program("tiny")
 
 
 @pytest.fixture(scope="session")
 def small():
     """`ti` with the RTL of the configuration small."""
-    built("engine", CONFIG="small")
+    built("engine", "build/sw/ti", CONFIG="small")
     return Program("small")
 
 

@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 import pytest
-from agents.program import ROOT, SCENES, call
+from agents.program import ROOT, SCENES, Program, call, make
 
 CORNELL = SCENES / "cornell.gltf"
 RAYS = np.tile(np.float32([0, 0, -1, 0, 0, 0, 1, np.inf]), (4, 1))
@@ -152,12 +152,24 @@ def test_a_format_that_the_model_lacks_is_refused(ti, tmp_path, out):
     ti.trace(out, CORNELL, "random:10", config=config).refused("(4,23)", "(8,23)")
 
 
-def test_the_rtl_of_another_configuration_is_refused(ti, tiny, tmp_path, out):
-    for old, new in [('"num_trv": 1', '"num_trv": 2'), ('"name": "tiny"', '"name": "huge"')]:
-        config = tmp_path / "config.json"
-        config.write_text(tiny.config.read_text().replace(old, new))
-        tiny.trace(out, CORNELL, "random:10", config=config).refused("tiny", "make render CONFIG=")
-    ti.trace(out, CORNELL, "random:10", engine="rtl").refused("without the RTL")
+def test_the_rtl_of_another_configuration_is_refused(tiny, tmp_path, out):
+    config = tmp_path / "config.json"
+    config.write_text(tiny.config.read_text().replace('"num_trv": 1', '"num_trv": 2'))
+    run = tiny.trace(out, CORNELL, "random:10", config=config)
+    run.refused("num_trv 1 and not 2", "make engine CONFIG=")
+
+
+def test_what_is_no_library_of_the_rtl_is_refused(tiny, ti, out):
+    for library in ("/nowhere/libti_rtl.so", SCENES / "cornell.gltf"):
+        tiny.trace(out, CORNELL, "random:10", "--rtl", library).refused("make engine CONFIG=")
+    ti.trace(out, CORNELL, "random:10", engine="rtl").refused("make engine CONFIG=")
+
+
+def test_an_image_beyond_the_addresses_is_refused(knot, ti, out):
+    make("engine", CONFIG="tiny", SET="addr_bits=21").good()
+    narrow = Program("tiny-addr_bits-21")
+    narrow.trace(out, knot, "random:10").refused("addr_bits", "21")
+    narrow.trace(out, CORNELL, "random:10").good()
 
 
 def test_an_output_that_cannot_be_a_folder_is_refused_before_any_work(ti, tmp_path):

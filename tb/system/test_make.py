@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Makefile does what its help says, and names in one sentence what it cannot do."""
 
+import os
+import shutil
+
 import numpy as np
 import pytest
-from agents.program import SCENES, call, make
+from agents.program import ROOT, SCENES, call, make
 
 TINY = {"CONFIG": "tiny"}
 MODEL = TINY | {"ENGINE": "model"}
@@ -14,8 +17,18 @@ BAD = {  # target, variables, words of the sentence
     "no-such-config": ("render", {"CONFIG": "huge"}, ["huge", "paper, small, tiny"]),
     "no-ways": ("render", TINY | {"SET": "trv_l1_ways=0"}, ["trv_l1_ways is 0", "from 1 to 16"]),
     "odd-cache": ("render", TINY | {"SET": "trv_l1_bytes=1000"}, ["trv_l1_bytes is 1000"]),
-    "unknown-key": ("render", TINY | {"SET": "num_rays=7"}, ["unknown key num_rays"]),
-    "no-number": ("render", TINY | {"SET": "num_trv=many"}, ["num_trv=many"]),
+    "unknown-key": ("render", TINY | {"SET": "num_rays=7"}, ["num_rays", "did you mean num_trv?"]),
+    "no-model": ("render", TINY | {"SET": "exp_bits=4"}, ["(4,23)", "(8,23), (8,20)"]),
+    "short-addresses": ("render", TINY | {"SET": "addr_bits=20"}, ["addr_bits is 20", "21"]),
+    "odd-config": ("render", {"CONFIG": "it's (not) #1 $a"}, ["it's (not) #1 $a: no such"]),
+    "odd-set": ("render", TINY | {"SET": "num_trv=$(a);'b"}, ["num_trv is $(a);'b, but"]),
+    "odd-engine": ("render", TINY | {"ENGINE": "it's"}, ["ENGINE=it's: no such engine"]),
+    "odd-scene": (
+        "trace",
+        MODEL | {"RAYS": "random:9", "SCENE": "it's (not) #1"},
+        ["it's (not) #1"],
+    ),
+    "no-number": ("render", TINY | {"SET": "num_trv=many"}, ["num_trv is many"]),
     "size": ("render", MODEL | {"SIZE": "0x0"}, ["SIZE=0x0"]),
     "effects": ("render", MODEL | {"EFFECTS": "shadows"}, ["EFFECTS=shadows"]),
     "cases": ("hardcases", MODEL | {"FILE": "none.jsonl"}, ["none.jsonl"]),
@@ -31,20 +44,29 @@ BAD = {  # target, variables, words of the sentence
 WRITES = {"render", "trace", "image"}
 
 
+@pytest.mark.usefixtures("ti")
 @pytest.mark.parametrize("case", BAD)
-def test_what_cannot_be_done_is_refused(ti, out, case):
+def test_what_cannot_be_done_is_refused(out, case):
     target, variables, words = BAD[case]
 
     make(target, out if target in WRITES else None, **variables).refused(*words)
+
+
+@pytest.mark.parametrize(
+    "change", ["num_trv=0", "num_trv=many", "num_rays=7", "exp_bits=4", "addr_bits=20"]
+)
+def test_a_wrong_configuration_is_refused_before_anything_is_built(change):
+    run = make("engine", SET=change, **TINY)
+    run.refused(change.split("=")[0])
+    assert run.stdout == ""
 
 
 @pytest.mark.usefixtures("tiny")
 def test_render_traces_on_the_rtl_and_writes_a_picture(out):
     run = make("render", out, SCENE="cornell", SIZE="16x16", DUMP=1, **TINY).good()
 
-    assert {path.name for path in out.iterdir()} == {
-        *("image.png", "report.json", "rays.npy", "hits.npy", "prims.npy")
-    }
+    dumped = {"rays.npy", "hits.npy", "prims.npy"}
+    assert dumped | {"image.png", "report.json"} <= {path.name for path in out.iterdir()}
     assert (run.report["engine"], run.report["config"], run.report["rays"]) == ("rtl", "tiny", 256)
     assert "0 mismatches in 256 rays" in run.stdout and "0 unexplained" in run.stdout
 
@@ -115,6 +137,87 @@ def test_testfloat_replays_lines_and_finds_a_wrong_one(tmp_path):
 def test_help_names_every_target_a_user_types():
     text = make("help").good().stdout
 
-    for target in ("render", "trace", "image", "hardcases", "testfloat", "test", "sim", "waves"):
+    targets = ["render", "trace", "image", "hardcases", "testfloat", "test", "sim", "waves"]
+    for target in [*targets, "engine", "config", "sw"]:
         assert f"make {target} " in text
     assert call(["make"]).stdout == text
+
+
+def test_help_needs_no_python(tmp_path):
+    (tmp_path / "python").write_text("#!/bin/sh\necho python >&2\n")
+    (tmp_path / "python").chmod(0o755)
+    path = f"{tmp_path}:{os.environ['PATH']}"
+    run = call(["env", f"PATH={path}", "make", "help", "CONFIG=nowhere"]).good()
+
+    assert run.stderr == ""
+
+
+# --- Names ---------------------------------------------------------------------------------------
+
+ODD = "it's a (very) odd, #1 $HOME & co"
+
+
+@pytest.mark.usefixtures("tiny")
+def test_paths_may_have_spaces_and_signs(tmp_path):
+    folder = tmp_path / ODD
+    folder.mkdir()
+    scene, config = folder / "one triangle.obj", folder / "my 'tiny'.yaml"
+    rays, cases, image = folder / "rays 'n.npy", folder / "a case.jsonl", folder / "my image.tiim"
+    shutil.copy(SCENES / "one_triangle.obj", scene)
+    shutil.copy(ROOT / "configs/tiny.yaml", config)
+    shutil.copy(SCENES / "hardcases.jsonl", cases)
+    np.save(rays, np.tile(np.float32([0, 0, -9, 0, 0, 0, 1, np.inf]), (4, 1)))
+    named = {"CONFIG": config, "SCENE": scene, "ENGINE": "model"}
+
+    make("image", OUT=image, **named).good()
+    run = make("trace", folder / "my hits", RAYS=rays, IMAGE=image, **named).good()
+    assert (run.report["triangles"], run.report["rays"]) == (1, 4)
+    run = make("render", folder / "my 'picture'", SIZE="4x4", **named).good()
+    assert (run.out / "image.png").is_file()
+    make("hardcases", FILE=cases, CONFIG=config, ENGINE="model").good()
+    make("testfloat", FORMAT="5,10", OP="add", FILE=folder / "no lines").refused("no lines")
+
+
+@pytest.fixture
+def default_out():
+    """A function that removes and gives the folder of outputs that a run without OUT names."""
+    made = []
+
+    def find(run):
+        folder = ROOT / run.good().stdout.splitlines()[-1].split(": ")[0]
+        assert folder.is_dir() and folder.is_relative_to(ROOT / "build"), run.stdout
+        made.append(folder)
+        return folder
+
+    yield find
+    for folder in made:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.mark.usefixtures("ti")
+def test_what_differs_has_outputs_of_its_own(default_out, tmp_path):
+    for name in ("test v1.2.obj", "test v1.3.obj", "test v1.2.x"):
+        shutil.copy(SCENES / "one_triangle.obj", tmp_path / name)
+    np.save(tmp_path / "four.npy", np.tile(np.float32([0, 0, -9, 0, 0, 0, 1, np.inf]), (4, 1)))
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        shutil.copy(ROOT / "configs/tiny.yaml", tmp_path / folder / "mine.yaml")
+
+    def folder(scene="test v1.2.obj", rays="random:5", **variables):
+        named = MODEL | {"SCENE": tmp_path / scene, "RAYS": rays} | variables
+        return default_out(make("trace", **named))
+
+    names = [
+        folder(),
+        folder("test v1.3.obj"),
+        folder(rays="inside:5"),
+        folder(rays=tmp_path / "four.npy"),
+        folder(SET="num_trv=2"),
+        folder(SET="clock_mhz=600"),
+        folder(CONFIG=tmp_path / "a/mine.yaml"),
+        folder(CONFIG=tmp_path / "b/mine.yaml"),
+        folder(ENGINE="embree"),
+    ]
+    assert len(set(names)) == len(names)
+    assert names[0].name == "test v1.2-tiny-model-random-5"
+    assert folder(SET="num_trv=1") == names[0]

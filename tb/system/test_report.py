@@ -3,12 +3,14 @@
 
 import json
 
+import jsonschema
 import numpy as np
 import pytest
-from agents.program import SCENES
+from agents.program import ROOT, SCENES
 from PIL import Image
 
 CORNELL = SCENES / "cornell.gltf"
+SCHEMA = json.loads((ROOT / "sw/report/report.schema.json").read_text())
 KEYS = {  # a report has at least these, and below some of them at least those
     "config": None,
     "scene": None,
@@ -35,12 +37,53 @@ def picture(run):
 def test_the_report_has_every_key_whatever_the_engine(tiny, out, name):
     report = tiny.render(out, CORNELL, "--size", "12x8", engine=name).good().report
 
+    jsonschema.validate(report, SCHEMA)
     for key, below in KEYS.items():
         assert key in report
         if below and (name == "rtl" or key != "cache"):  # only the RTL has caches
             assert below <= set(report[key]), key
     assert (report["config"], report["scene"], report["engine"]) == ("tiny", "cornell", name)
     assert (report["triangles"], report["rays"]) == (38, 96)
+
+
+def test_two_runs_of_a_command_give_one_report_but_for_times(ti, tiny, tmp_path):
+    for name, program in {"rtl": tiny, "model": ti}.items():
+        a, b = (
+            program.trace(tmp_path / name / x, CORNELL, "inside:400", "--waves", 3).good().report
+            for x in "ab"
+        )
+        for report in (a, b):
+            jsonschema.validate(report, SCHEMA)
+            del report["sim"], report["time"]
+        assert a == b
+
+
+def test_a_report_says_what_it_was_made_from(tiny, out):
+    options = ["--size", "20x10", "--spp", 2, "--seed", 7, "--stall-seed", 3, "--layout", "dfl"]
+    report = tiny.render(out, CORNELL, *options).good().report
+
+    made = report["provenance"]
+    assert made["commit"] and (made["command"], made["scene"]) == ("render", "cornell.gltf")
+    assert (made["size"], made["spp"], made["seed"]) == ([20, 10], 2, 7)
+    assert (made["layout"], made["waves"]) == ("dfl", 1)
+    assert report["keys"] == json.loads(tiny.config.read_text())
+    assert report["switches"]["stall_seed"] == 3 and report["switches"]["lock_step"]
+    assert 0 < report["hits"] <= report["rays"] == 400
+
+
+def test_steps_and_tests_of_each_ray_add_up_to_those_of_the_machine(engine, out):
+    run = engine.render(out, CORNELL, "--size", "32x24", "--dump").good()
+    steps, tests = (np.load(out / f"{name}.npy").astype(int) for name in ("steps", "tests"))
+
+    report = run.report
+    assert steps.sum() == round(report["per_ray"]["steps"] * report["rays"])
+    assert tests.sum() == report["phase"]["a_tests"]
+    assert report["spread"]["steps"]["max"] == steps.max()
+    for name, counts in {"steps": steps, "tests": tests}.items():
+        colours = np.asarray(Image.open(out / f"{name}.png").convert("RGB"))
+        assert colours.shape == (24, 32, 3)
+        assert len(np.unique(colours.reshape(-1, 3), axis=0)) > 3, name
+        assert counts.max() > counts.min()
 
 
 def test_the_figures_of_a_report_agree_with_one_another(engine, stored, out):
@@ -111,16 +154,22 @@ def test_only_what_was_asked_for_is_written(ti, tmp_path):
     ti.trace(tmp_path / "c/deep", CORNELL, "random:4").good()
 
     names = [{path.name for path in (tmp_path / x).iterdir()} for x in ("a", "b", "c/deep")]
-    assert names[0] == {"image.png", "report.json"}
-    assert names[1] == names[0] | {"rays.npy", "hits.npy", "prims.npy"}
+    assert names[0] == {"image.png", "steps.png", "tests.png", "report.json"}
+    assert names[1] == names[0] | {f"{x}.npy" for x in ("rays", "hits", "prims", "steps", "tests")}
     assert names[2] == {"report.json", "hits.npy", "prims.npy"}
 
 
 def other_config(program, folder, key, value):
     """The configuration of a program with another value, for the model alone to follow."""
-    keys = json.loads(program.config.read_text()) | {key: value}
+    keys = json.loads(program.config.read_text())
+    if program.library:  # whose copy then says that it has the value
+        said, lie = (f'"{key}": {x},'.encode() for x in (keys[key], value))
+        lie = lie.ljust(len(said))
+        whole = program.library.read_bytes()
+        assert whole.count(said) == 1
+        (folder / "libti_rtl.so").write_bytes(whole.replace(said, lie))
     path = folder / "config.json"
-    path.write_text(json.dumps(keys))
+    path.write_text(json.dumps(keys | {key: value}))
     return path
 
 
@@ -129,7 +178,8 @@ def other_config(program, folder, key, value):
 )
 def test_lock_step_finds_a_machine_that_is_not_the_model(tiny, tmp_path, out, key, value, says):
     config = other_config(tiny, tmp_path, key, value)
-    run = tiny.trace(out, CORNELL, "random:1000", "--no-truth", config=config).failed_its_checks()
+    options = ["--no-truth", "--rtl", tmp_path / "libti_rtl.so"]
+    run = tiny.trace(out, CORNELL, "random:1000", *options, config=config).failed_its_checks()
 
     check = run.report["check"]
     assert 0 < check["model_mismatches"] < 1000
@@ -141,14 +191,16 @@ def test_lock_step_finds_a_machine_that_is_not_the_model(tiny, tmp_path, out, ke
 def test_lock_step_finds_it_in_hard_cases_too(tiny, tmp_path):
     config = other_config(tiny, tmp_path, "watchdog_steps", 1)
     file = SCENES / "hardcases.jsonl"
-    run = tiny.run("hardcases", "--engine", "rtl", "--file", file, config=config)
+    options = ["--file", file, "--rtl", tmp_path / "libti_rtl.so"]
+    run = tiny.run("hardcases", "--engine", "rtl", *options, config=config)
 
     assert "0 mismatches" not in run.failed_its_checks().stdout.splitlines()[-1]
 
 
 def test_lock_step_is_off_only_by_name(tiny, tmp_path, out):
     config = other_config(tiny, tmp_path, "stack_depth", 1)
-    run = tiny.trace(out, CORNELL, "random:1000", "--no-lock-step", config=config).good()
+    options = ["--no-lock-step", "--rtl", tmp_path / "libti_rtl.so"]
+    run = tiny.trace(out, CORNELL, "random:1000", *options, config=config).good()
 
     assert not run.report["check"]["lock_step"]
     assert run.report["check"]["model_mismatches"] is None

@@ -7,48 +7,252 @@ import subprocess
 import sys
 from pathlib import Path
 
+import config_schema
+import configure
 import pytest
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts/configure.py"
+FORMS = ROOT / "scripts/config_forms.py"
+DOCUMENT = ROOT / "docs/configuration.md"
+SCHEMA = config_schema.load()
+CONFIGS = sorted(path.stem for path in (ROOT / "configs").glob("*.yaml") if path.stem != "schema")
 
 
-def configure(*arguments):
-    command = [sys.executable, str(SCRIPT), *map(str, arguments)]
+def script(*arguments, script=SCRIPT):
+    command = [sys.executable, str(script), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True)
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "configs").glob("*.yaml")), ids=lambda p: p.stem)
-def test_every_form_has_the_values_of_the_yaml(path, tmp_path):
-    assert configure(path.stem, "--out", tmp_path).returncode == 0
-    wanted = yaml.safe_load(path.read_text())
+def camel(key):
+    return key.title().replace("_", "")
+
+
+def refused(result, out, *words):
+    """One sentence with these words, status 2, nothing written."""
+    assert result.returncode == 2, result.stderr
+    assert result.stderr.count("\n") == 1
+    assert [word for word in words if word not in result.stderr] == [], result.stderr
+    assert not out.exists()
+
+
+# --- Every form of a configuration ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_every_form_has_the_values_of_the_yaml(name, tmp_path):
+    assert script(name, "--out", tmp_path).returncode == 0
+    stored = yaml.safe_load((ROOT / f"configs/{name}.yaml").read_text())
+    wanted = {key: stored.get(key, rule.default) for key, rule in SCHEMA.keys.items()}
 
     written = json.loads((tmp_path / "config.json").read_text())
-    assert written.pop("name") == path.stem
+    assert written.pop("name") == name
     assert written == wanted
+    assert stored.keys() < wanted.keys()
 
     package = (tmp_path / "ti_config_pkg.sv").read_text()
     header = (tmp_path / "ti_config.hpp").read_text()
-    for key, value in wanted.items():
-        name = key.title().replace("_", "")
-        assert f"localparam int unsigned {name} = {value};" in package
-        assert f"inline constexpr int k{name} = {value};" in header
+    constants = dict(re.findall(r"localparam (?:int unsigned|bit) (\w+) = (?:1'b)?(\d+);", package))
+    cpp = dict(re.findall(r"inline constexpr (?:int|bool) k(\w+) = (\w+);", header))
+    hardware = {k: v for k, v in wanted.items() if SCHEMA.keys[k].hardware}
+    assert constants == {camel(key): str(int(value)) for key, value in hardware.items()}
+    assert cpp == {camel(key): json.dumps(value) for key, value in hardware.items()}
 
 
 def test_an_override_changes_one_key_and_the_name(tmp_path):
-    assert configure("tiny", "num_ist1=3", "--out", tmp_path).returncode == 0
+    assert script("tiny", "num_ist1=3", "counters=0", "--out", tmp_path).returncode == 0
     written = json.loads((tmp_path / "config.json").read_text())
-    assert written["num_ist1"] == 3
-    assert written["name"] == "tiny num_ist1=3"
+    assert (written["num_ist1"], written["counters"]) == (3, False)
+    assert written["name"] == "tiny num_ist1=3 counters=false"
 
 
 def test_unchanged_files_keep_their_date(tmp_path):
     dates = []
     for _ in range(2):
-        assert configure("tiny", "--out", tmp_path).returncode == 0
+        assert script("tiny", "--out", tmp_path).returncode == 0
         dates.append({p.name: p.stat().st_mtime_ns for p in tmp_path.iterdir()})
     assert dates[0] == dates[1]
+
+
+def complaints(schema, value):
+    """What a value lacks of the part of JSON Schema that is used here."""
+    kinds = {"object": dict, "string": str, "integer": int, "number": (int, float), "boolean": bool}
+    kind = schema["type"]
+    if not isinstance(value, kinds[kind]) or (kind != "boolean" and isinstance(value, bool)):
+        return [f"{value} is no {kind}"]
+    if kind == "object":
+        rules = schema["properties"]
+        wrong = [key for key in schema["required"] if key not in value]
+        wrong += (
+            [key for key in value if key not in rules] if not schema["additionalProperties"] else []
+        )
+        return wrong + [
+            c for key in rules if key in value for c in complaints(rules[key], value[key])
+        ]
+    low, high = schema.get("minimum", value), schema.get("maximum", value)
+    return [] if low <= value <= high and value in schema.get("enum", [value]) else [f"{value}"]
+
+
+@pytest.mark.parametrize("name", CONFIGS)
+def test_the_json_schema_takes_what_is_written_and_nothing_else(name, tmp_path):
+    configure.configure(name, [], tmp_path)
+    config = json.loads((tmp_path / "config.json").read_text())
+    schema = json.loads((tmp_path / "config.schema.json").read_text())
+
+    assert complaints(schema, config) == []
+    assert complaints(schema, config | {"num_rays": 1}) == ["num_rays"]
+    for key in config:
+        assert complaints(schema, {k: v for k, v in config.items() if k != key}) == [key]
+    for key, value in {"num_trv": 0, "trv_slots": 24, "counters": 1, "num_list": "1"}.items():
+        assert len(complaints(schema, config | {key: value})) == 1
+
+
+def test_the_document_has_the_table_of_the_schema(tmp_path):
+    assert script("--check", DOCUMENT, script=FORMS).returncode == 0
+    copy = tmp_path / "configuration.md"
+    copy.write_text(DOCUMENT.read_text().replace("| `num_trv` |", "| `num_trvs` |"))
+    assert script("--check", copy, script=FORMS).returncode == 1
+    assert script("--write", copy, script=FORMS).returncode == 0
+    assert copy.read_text() == DOCUMENT.read_text()
+
+
+# --- A key is one entry of the schema ------------------------------------------------------------
+
+NEW = {  # entry, a value that is not the default, SystemVerilog, C++, a wrong value, the sentence
+    "int": (
+        "{type: int, range: [2, 64], power: true, default: 8, group: slots, text: 'Of tests.'}",
+        *("16", "localparam int unsigned TestKey = 16;", "constexpr int kTestKey = 16;"),
+        *("24", "test_key is 24, but must be a power of two from 2 to 64"),
+    ),
+    "bool": (
+        "{type: bool, default: true, group: slots, text: 'Of tests.'}",
+        *("false", "localparam bit TestKey = 1'b0;", "constexpr bool kTestKey = false;"),
+        *("maybe", "test_key is maybe, but must be true or false"),
+    ),
+    "enum": (
+        "{type: enum, values: [kd, wide_bvh], default: kd, group: slots, text: 'Of tests.'}",
+        *("wide_bvh", "localparam test_key_e TestKey = TestKeyWideBvh;"),
+        *("constexpr TestKey kTestKey = TestKey::kWideBvh;", "oct"),
+        "test_key is oct, but must be one of kd, wide_bvh",
+    ),
+    "float": (
+        "{type: float, range: [0, 2], default: 1.0, group: slots, text: 'Of tests.'}",
+        *("0.5", "localparam real TestKey = 0.5;", "constexpr double kTestKey = 0.5;"),
+        *("2.5", "test_key is 2.5, but must be a number from 0 to 2"),
+    ),
+}
+
+
+def with_key(folder, entry):
+    """A copy of the schema with one entry more."""
+    path = folder / "schema.yaml"
+    path.write_text(f"{config_schema.SCHEMA.read_text()}  test_key:\n    {entry}\n")
+    return path
+
+
+def compiler():
+    """The compiler of the set-up."""
+    return (ROOT / "build/setup.stamp").read_text().split("\n")[0]
+
+
+@pytest.mark.parametrize("kind", NEW)
+def test_one_entry_makes_a_key_in_every_form(kind, tmp_path):
+    entry, value, sv, cpp, wrong, sentence = NEW[kind]
+    schema, out = with_key(tmp_path, entry), tmp_path / "out"
+    default = json.dumps(yaml.safe_load(entry)["default"])
+
+    result = script("tiny", f"test_key={wrong}", "--schema", schema, "--out", out)
+    refused(result, out, sentence)
+    refused(script("tiny", "testkey=1", "--schema", schema, "--out", out), out, "mean test_key?")
+
+    assert script("tiny", f"test_key={value}", "--schema", schema, "--out", out).returncode == 0
+    assert sv in (out / "ti_config_pkg.sv").read_text()
+    assert cpp in (out / "ti_config.hpp").read_text()
+    config = json.loads((out / "config.json").read_text())
+    rules = json.loads((out / "config.schema.json").read_text())
+    assert config["test_key"] == yaml.safe_load(value)
+    assert complaints(rules, config) == []
+    assert complaints(rules, config | {"test_key": yaml.safe_load(wrong)}) != []
+    lint = ["verilator", "--lint-only", "-Wall", "-Wno-UNUSEDPARAM", out / "ti_config_pkg.sv"]
+    assert subprocess.run(lint, capture_output=True, text=True).stderr == ""
+
+    page = tmp_path / "page.md"
+    page.write_text(DOCUMENT.read_text())
+    assert script("--schema", schema, "--write", page, script=FORMS).returncode == 0
+    assert re.search(r"^\| `test_key` \| .* \| .* \| Of tests\. \|$", page.read_text(), re.M)
+
+    header = tmp_path / "keys.hpp"
+    assert script("--schema", schema, "--cpp", header, script=FORMS).returncode == 0
+    default = "TestKey::kKd" if kind == "enum" else default
+    assert re.search(rf"^  \w+ test_key = {default};$", header.read_text(), re.M)
+
+
+PROGRAM = """
+#include <iostream>
+#include "base/config.hpp"
+#include "base/error.hpp"
+#include "ti_config.hpp"
+int main(int, char** arguments) try {
+  const ti::Config config = ti::load_config(arguments[1]);
+  std::cout << (config.test_key == ti::config::kTestKey) << config.num_trv << '\\n';
+} catch (const ti::Error& error) {
+  std::cout << error.what() << '\\n';
+}
+"""
+
+
+@pytest.mark.parametrize("kind", ["enum", "float"])
+def test_the_loader_in_cpp_follows_the_schema(kind, tmp_path):
+    entry, value, _, _, wrong, sentence = NEW[kind]
+    schema, out = with_key(tmp_path, entry), tmp_path / "out"
+    assert script("tiny", f"test_key={value}", "--schema", schema, "--out", out).returncode == 0
+    header = out / "base/config_keys.hpp"
+    assert script("--schema", schema, "--cpp", header, script=FORMS).returncode == 0
+    (tmp_path / "main.cpp").write_text(PROGRAM)
+    sources = [tmp_path / "main.cpp", ROOT / "sw/base/config.cpp", ROOT / "sw/io/file.cpp"]
+    command = [compiler(), "-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{out}"]
+    command += [f"-I{ROOT}/sw", *sources, "-o", tmp_path / "program", "-lfmt"]
+    made = subprocess.run(command, capture_output=True, text=True)
+    assert made.returncode == 0, made.stderr
+
+    def loaded(**changes):
+        path = tmp_path / "config.json"
+        config = json.loads((out / "config.json").read_text()) | changes
+        path.write_text(json.dumps({k: v for k, v in config.items() if v is not None}))
+        return subprocess.run([tmp_path / "program", path], capture_output=True, text=True).stdout
+
+    assert loaded() == "11\n"
+    assert sentence.split("must be")[1] in loaded(test_key=yaml.safe_load(wrong))
+    assert "`test_key` is missing" in loaded(test_key=None)
+    assert "unknown key `test_keys`" in loaded(test_keys=1)
+
+
+@pytest.mark.parametrize(
+    ("entry", "sentence"),
+    [
+        ("{type: long, default: 8, group: slots, text: a}", "the types are int, bool"),
+        ("{type: int, default: 8, group: slots, text: a}", "numbers have a range"),
+        ("{type: int, range: [1, 4], default: 8, group: slots, text: a}", "the default 8 is not"),
+        ("{type: enum, default: a, group: slots, text: a}", "an enum has values"),
+        ("{type: bool, default: true, group: none, text: a}", "there is no group none"),
+        ("{type: bool, default: true, groups: slots, text: a}", "unknown field groups"),
+        ("{type: bool, group: slots, text: a}", "not a schema: 'default'"),
+        ("[", "not a schema"),
+    ],
+)
+def test_a_wrong_entry_of_the_schema_is_named(entry, sentence, tmp_path):
+    schema, out = with_key(tmp_path, entry), tmp_path / "out"
+    refused(script("tiny", "--schema", schema, "--out", out), out, str(schema), sentence)
+
+
+# --- What is refused -----------------------------------------------------------------------------
+
+
+def test_the_defaults_are_a_configuration(tmp_path):
+    (tmp_path / "bare.yaml").write_text("num_trv: 24\n")
+    assert configure.load(tmp_path / "bare.yaml").values == SCHEMA.defaults()
+    assert (SCHEMA.keys["exp_bits"].default, SCHEMA.keys["frac_bits"].default) in SCHEMA.formats
 
 
 @pytest.mark.parametrize(
@@ -80,59 +284,138 @@ def test_unchanged_files_keep_their_date(tmp_path):
         ("ist1_rows=9", "1 to ist1_slots, 8"),
         ("list_rows=0", "1 to 256"),
         ("watchdog_steps=65536", "1 to 65535"),
-        ("no_such_key=1", "the keys are exp_bits"),
+        ("addr_bits=20", "21 to 64"),
+        ("counters=2", "true or false"),
+        ("clock_mhz=0", "1 to 10000"),
+        ("num_trv=two", "num_trv is two, but must be a whole number"),
+        ("num_trv=1.5", "num_trv is 1.5, but"),
+        ("num_trv=true", "num_trv is true, but"),
+        ("num_rays=1", "unknown key num_rays; did you mean num_trv?"),
+        ("xyzzy=1", "unknown key xyzzy; the keys are exp_bits"),
     ],
 )
 def test_an_impossible_value_names_file_key_and_range(override, allowed, tmp_path):
     out = tmp_path / "config"
-    result = configure("tiny", override, "--out", out)
-    assert result.returncode == 2
-    assert result.stderr.count("\n") == 1
-    assert "tiny.yaml" in result.stderr
+    result = script("tiny", override, "--out", out)
+    refused(result, out, "tiny.yaml", allowed)
     assert re.search(rf"\b{override.split('=')[0]}\b", result.stderr)
-    assert allowed in result.stderr
-    assert not out.exists()
 
 
 def test_an_adder_deeper_than_the_reciprocal_is_named(tmp_path):
     values = ["frac_bits=2", "fp_rcp_bits_per_stage=3", "fp_add_stages=5"]
-    result = configure("tiny", *values, "--out", tmp_path / "config")
-    assert result.returncode == 2
-    assert (
-        "fp_add_stages is 5, but must be at most the stages of the reciprocal, 4" in result.stderr
-    )
-    assert not (tmp_path / "config").exists()
+    out = tmp_path / "config"
+    sentence = "fp_add_stages is 5, but must be at most the stages of the reciprocal, 4"
+    refused(script("tiny", *values, "--out", out), out, sentence)
 
 
-@pytest.mark.parametrize("override", ["num_trv", "num_trv=two", "num_trv=", "num_trv=1.5"])
-def test_an_override_that_is_no_number_is_named(override, tmp_path):
-    result = configure("tiny", override, "--out", tmp_path)
-    assert result.returncode == 2
-    assert result.stderr.startswith(f"{override}: not an override")
+def test_a_format_without_a_model_is_refused_but_for_units(tmp_path):
+    out = tmp_path / "config"
+    for place in ("--out", "--build"):
+        result = script("tiny", "exp_bits=4", place, out)
+        refused(result, out, "tiny.yaml", "(4,23)", "(8,23), (8,20)", "configs/schema.yaml")
+    for exp_bits, frac_bits in SCHEMA.formats:
+        keys = [f"exp_bits={exp_bits}", f"frac_bits={frac_bits}"]
+        assert script("tiny", *keys, "--out", tmp_path / "model").returncode == 0
+    assert script("tiny", "exp_bits=4", "--any-format", "--out", out).returncode == 0
+    assert configure.configure("tiny", ["exp_bits=4"], out)["exp_bits"] == 4
+
+
+@pytest.mark.parametrize("override", ["num_trv", "num_trv=", "=1"])
+def test_an_override_that_is_none_is_named(override, tmp_path):
+    out = tmp_path / "config"
+    refused(script("tiny", override, "--out", out), out, override)
 
 
 @pytest.mark.parametrize(
     ("edit", "sentence"),
     [
-        (lambda text: text.replace("num_trv:", "#"), "key num_trv is missing"),
+        (lambda text: text.replace("num_trv: 1 ", "num_trvs: 1 "), "did you mean num_trv?"),
+        (lambda text: text.replace("num_trv: 1 ", "7: 1 "), "unknown key 7"),
         (lambda text: text.replace("num_trv: 1 ", "num_trv: many "), "num_trv is many"),
         (lambda text: text.replace("num_trv: 1 ", "num_trv: true "), "num_trv is True"),
         (lambda text: text.replace("num_trv: 1 ", "num_trv: 1.5 "), "num_trv is 1.5"),
+        (lambda text: text.replace("num_trv: 1 ", "num_trv: "), "num_trv is None"),
         (lambda text: text.replace("num_trv: 1 ", "num_trv: [1 "), "is not YAML"),
         (lambda text: "", "holds no keys"),
     ],
 )
 def test_a_broken_file_is_named(edit, sentence, tmp_path):
-    path = tmp_path / "broken.yaml"
+    path, out = tmp_path / "broken.yaml", tmp_path / "config"
     path.write_text(edit((ROOT / "configs/tiny.yaml").read_text()))
-    result = configure(path, "--out", tmp_path / "config")
-    assert result.returncode == 2
-    assert str(path) in result.stderr
-    assert sentence in result.stderr
-    assert not (tmp_path / "config").exists()
+    refused(script(path, "--out", out), out, str(path), sentence)
 
 
 def test_an_unknown_name_lists_the_known_ones(tmp_path):
-    result = configure("nothing", "--out", tmp_path)
-    assert result.returncode == 2
-    assert "paper, small, tiny" in result.stderr
+    out = tmp_path / "config"
+    for name in ("nothing", "schema"):
+        refused(script(name, "--out", out), out, "there are paper, small, tiny, or give")
+
+
+# --- Where builds are ----------------------------------------------------------------------------
+
+
+def places(name, *overrides):
+    configuration = configure.load(name, list(overrides))
+    return configuration.engine, configuration.folder
+
+
+def test_one_machine_has_one_engine():
+    engine, folder = places("tiny", "num_trv=2", "trv_slots=16")
+
+    assert places("tiny", "trv_slots=16", "num_trv=2") == (engine, folder)
+    assert places("tiny", "trv_slots=0x10", "num_list=1", "num_trv=2") == (engine, folder)
+    assert configure.load("tiny", ["num_trv=1"]).name == "tiny"
+    other = configure.load("tiny", ["clock_mhz=600", "num_trv=2", "trv_slots=16"])
+    assert other.name == "tiny num_trv=2 trv_slots=16 clock_mhz=600"
+    assert other.engine == engine and other.folder != folder
+    assert str(folder) == "config/tiny-num_trv-2-trv_slots-16"
+
+
+@pytest.mark.parametrize("key", [key.name for key in SCHEMA.keys.values() if key.hardware])
+def test_every_key_of_the_rtl_makes_another_machine(key):
+    rule, value = SCHEMA.keys[key], configure.load("tiny").values[key]
+    other = (
+        not value
+        if rule.kind == "bool"
+        else next(v for v in (value * 2, value + 1, value // 2, value - 1) if rule.allows(v))
+    )
+    a = configure.Configuration(SCHEMA, Path("a.yaml"), SCHEMA.defaults() | {key: value}, {})
+    b = configure.Configuration(SCHEMA, Path("a.yaml"), SCHEMA.defaults() | {key: other}, {})
+
+    assert a.machine != b.machine and a.engine != b.engine
+    assert a.files_of_machine() != b.files_of_machine()
+
+
+def test_files_share_an_engine_exactly_when_their_machine_is_one(tmp_path):
+    text = (ROOT / "configs/tiny.yaml").read_text()
+    paths = [tmp_path / name for name in ("a/my tiny.yaml", "b/my tiny.yaml", "c/other.yaml")]
+    for path, units in zip(paths, ("1", "2", "1"), strict=True):
+        path.parent.mkdir()
+        path.write_text(text.replace("num_trv: 1 ", f"num_trv: {units} "))
+    engines, folders = zip(*map(places, paths), strict=True)
+
+    assert len(set(folders)) == 3
+    assert engines[0] == engines[2] == places("tiny")[0] != engines[1]
+    assert all(re.fullmatch(r"[\w/-]+", str(path)) for path in [*engines, *folders])
+
+
+def test_a_long_list_of_overrides_still_names_a_folder():
+    many = [f"{unit}_rows=1" for unit in ("trv", "list", "ist1")]
+    many += [f"{unit}_slots=128" for unit in ("trv", "list", "ist1")] + ["watchdog_steps=99"]
+
+    assert len(str(places("tiny", *many)[1])) < 40
+    assert places("tiny", *many)[1] != places("tiny", *many[1:])[1]
+
+
+def test_build_says_and_fills_its_folders(tmp_path):
+    result = script("tiny", "clock_mhz=7", "--build", tmp_path)
+    folder, engine = map(Path, result.stdout.split())
+
+    assert (folder, engine) == (
+        tmp_path / "config/tiny-clock_mhz-7",
+        tmp_path / configure.load("tiny").engine,
+    )
+    assert json.loads((folder / "config.json").read_text())["clock_mhz"] == 7
+    for path in (engine / "config").iterdir():
+        assert path.read_text() == (folder / path.name).read_text()
+    assert (folder / "engine").resolve() == engine.resolve()

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import configure
 import counters
 import pytest
 import yaml
@@ -19,7 +20,7 @@ CONFIGS = ["tiny", "small", "paper"]
 
 
 def config_of(name):
-    return yaml.safe_load((ROOT / f"configs/{name}.yaml").read_text())
+    return configure.load(name).values
 
 
 def in_order(kind, prefix=""):

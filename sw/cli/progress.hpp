@@ -9,32 +9,27 @@
 #include <cstdio>
 #include <string>
 
-namespace ti::sim {
+namespace ti {
 
 /// A bar with rays/s and cycles/s on a terminal; a line every ten seconds elsewhere.
 class Progress {
  public:
-  Progress(std::uint64_t total, bool on)
-      : total_(total), on_(on), terminal_(isatty(STDERR_FILENO) != 0) {}
+  explicit Progress(std::uint64_t total) : total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+  /// Ends the line of the bar.
+  ~Progress() {
+    if (shown_ != begin_ && terminal_) fmt::print(stderr, "\n");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
 
   void update(std::uint64_t done, std::uint64_t cycles) {
-    if (!on_) return;
     const auto now = Clock::now();
     if (now - shown_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(10)))
       return;
     shown_ = now;
     show(done, cycles);
     if (!terminal_) fmt::print(stderr, "\n");
-  }
-
-  void finish(std::uint64_t done, std::uint64_t cycles) {
-    if (!on_ || !terminal_) return;
-    show(done, cycles);
-    fmt::print(stderr, "\n");
-  }
-
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(Clock::now() - begin_).count();
   }
 
  private:
@@ -45,7 +40,7 @@ class Progress {
     const double share =
         total_ == 0 ? 1.0 : static_cast<double>(done) / static_cast<double>(total_);
     const auto full = static_cast<std::size_t>(share * kWidth);
-    const double elapsed = seconds();
+    const double elapsed = std::chrono::duration<double>(Clock::now() - begin_).count();
     fmt::print(stderr, "{}rtl [{}{}] {:3.0f} % {} rays, {:.0f} rays/s, {:.0f} cycles/s",
                terminal_ ? "\r" : "", std::string(full, '#'), std::string(kWidth - full, '.'),
                100 * share, done, static_cast<double>(done) / elapsed,
@@ -54,9 +49,9 @@ class Progress {
   }
 
   std::uint64_t total_;
-  bool on_, terminal_;
+  bool terminal_;
   Clock::time_point begin_ = Clock::now();
   Clock::time_point shown_ = begin_;
 };
 
-}  // namespace ti::sim
+}  // namespace ti

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "report/report.hpp"
+
+namespace ti {
+
+/// Prints what people want to know of the scene and its tree.
+void print_tree(const Session& session);
+
+/// Prints what people read of a run.
+void print_summary(const Report& report, const Session& session);
+
+}  // namespace ti

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "engine/engine.hpp"
+
+namespace ti {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kCure = "build it by `make engine CONFIG=...`";
+
+}  // namespace
+
+std::unique_ptr<Engine> load_rtl_engine(const std::filesystem::path& path, const Image& image,
+                                        const Config& config, const RtlOptions& options) {
+  const std::string file = path.string();
+  if (!std::filesystem::is_regular_file(path))
+    throw Error(fmt::format("{}: there is no library of the RTL; {}", file, kCure));
+  // Never unloaded: what it throws lives in it.
+  void* library =
+      dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  const auto* plugin =
+      library ? static_cast<const RtlPlugin*>(dlsym(library, "ti_rtl_plugin")) : nullptr;
+  if (plugin == nullptr || plugin->interface != RtlPlugin::kInterface) {
+    throw Error(fmt::format("{}: this is no library of the RTL for this program; {}", file, kCure));
+  }
+  const json built = json::parse(plugin->config);
+  const json wanted = json::parse(config.json);
+  for (const auto& [key, value] : built.items()) {
+    if (wanted.value(key, json()) != value) {
+      throw Error(fmt::format(
+          "{}: it was built for another configuration than {}, with {} {} and not {}; {}", file,
+          config.name, key, value.dump(), wanted.value(key, json()).dump(), kCure));
+    }
+  }
+  if (!(image.format() == config.format)) {
+    throw Error(fmt::format(
+        "the image has the number format ({},{}), the RTL ({},{}): build the image again",
+        image.format().exp_bits, image.format().frac_bits, config.format.exp_bits,
+        config.format.frac_bits));
+  }
+  return std::unique_ptr<Engine>(plugin->make(image, options));
+}
+
+}  // namespace ti

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The Python module `ti`: scenes, rays, and engines that answer numpy arrays of rays in this
+// process.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+
+#include <atomic>
+#include <map>
+#include <memory>
+
+#include "base/error.hpp"
+#include "engine/session.hpp"
+#include "report/report.hpp"
+#include "scene/geometry.hpp"
+#include "scene/rays.hpp"
+
+namespace ti {
+namespace {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+template <typename T, typename Shape>
+using Array = nb::ndarray<const T, Shape, nb::c_contig, nb::device::cpu>;
+using RayArray = Array<float, nb::shape<-1, 8>>;
+using HitArray = Array<float, nb::shape<-1, 3>>;
+using PrimArray = Array<std::int32_t, nb::shape<-1>>;
+
+/// A numpy array that owns its data.
+template <typename T>
+nb::ndarray<nb::numpy, T> array_of(std::vector<T> values, std::size_t columns = 0) {
+  auto* kept = new std::vector<T>(std::move(values));
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  if (columns == 0) return {kept->data(), {kept->size()}, owner};
+  return {kept->data(), {kept->size() / columns, columns}, owner};
+}
+
+/// The same of a value of each element.
+template <typename T, typename Range, typename Of>
+auto array_of_each(const Range& range, Of of) {
+  std::vector<T> values;
+  values.reserve(range.size());
+  for (const auto& element : range) values.push_back(of(element));
+  return array_of(std::move(values));
+}
+
+std::vector<Ray> rays_of(const RayArray& array, bool any_hit = false) {
+  std::vector<Ray> rays(array.shape(0));
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const float* f = array.data() + 8 * i;
+    rays[i] = {.o = {f[0], f[1], f[2]},
+               .tmin = f[3],
+               .d = {f[4], f[5], f[6]},
+               .tmax = f[7],
+               .any = any_hit};
+  }
+  return rays;
+}
+
+auto array_of_rays(const std::vector<Ray>& rays) {
+  std::vector<float> data;
+  data.reserve(8 * rays.size());
+  for (const Ray& r : rays)
+    data.insert(data.end(), {r.o.x, r.o.y, r.o.z, r.tmin, r.d.x, r.d.y, r.d.z, r.tmax});
+  return array_of(std::move(data), 8);
+}
+
+std::vector<Hit> hits_of(const HitArray& hits, const PrimArray& prims) {
+  if (hits.shape(0) != prims.shape(0)) throw Error("hits and prims must have the same length");
+  std::vector<Hit> all(prims.shape(0));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const float* f = hits.data() + 3 * i;
+    all[i] = {.t = f[0], .u = f[1], .v = f[2], .prim = prims.data()[i]};
+  }
+  return all;
+}
+
+/// (E, M) as Python gives it.
+using Bits = std::pair<int, int>;
+
+Format format_of(const Bits& bits) {
+  const auto [e, m] = bits;
+  if (e < 3 || e > 8 || m < 2 || m > 23) {
+    throw Error("format=(" + std::to_string(e) + ", " + std::to_string(m) +
+                "): give (E, M) of the engine, from (3, 2) to (8, 23)");
+  }
+  return {e, m};
+}
+
+/// Each element `times` times.
+template <typename T>
+std::vector<T> repeated(const std::vector<T>& elements, int times) {
+  std::vector<T> all;
+  for (const T& element : elements) all.insert(all.end(), static_cast<std::size_t>(times), element);
+  return all;
+}
+
+EngineKind kind_of(const std::string& name) {
+  const std::map<std::string, EngineKind> kinds{
+      {"rtl", EngineKind::Rtl}, {"model", EngineKind::Model}, {"embree", EngineKind::Embree}};
+  const auto found = kinds.find(name);
+  if (found == kinds.end()) throw Error("engine=\"" + name + "\": there are rtl, model, embree");
+  return found->second;
+}
+
+/// A scene and the file that it is from.
+struct PyScene {
+  std::filesystem::path path;
+  Scene scene;
+};
+
+/// A wave with what a report says of it alone.
+struct PyWave {
+  Wave wave;
+  std::string report;
+};
+
+/// A session that Python can interrupt.
+class PyEngine {
+ public:
+  PyEngine(const PyScene& scene, RunOptions options) {
+    options.scene = scene.path;
+    options.stop = &stop_;
+    options.rtl.progress = [this](std::uint64_t, std::uint64_t) {
+      const nb::gil_scoped_acquire gil;
+      if (PyErr_CheckSignals() != 0) stop_ = true;
+    };
+    const nb::gil_scoped_release release;
+    session_ = std::make_unique<Session>(options, scene.scene);
+    session_->require_triangles();
+  }
+
+  PyWave trace(const RayArray& array, bool any_hit) {
+    const std::vector<Ray> rays = rays_of(array, any_hit);
+    PyWave traced;
+    {
+      const nb::gil_scoped_release release;
+      traced.wave = session_->trace(rays);
+    }
+    if (stop_.exchange(false)) throw nb::python_error();
+    Report report;
+    report.request.command = "wave";
+    report.add(traced.wave);
+    traced.report = to_json(report, *session_);
+    return traced;
+  }
+
+  [[nodiscard]] Bits format() const {
+    const Format format = session_->options().config.format;
+    return {format.exp_bits, format.frac_bits};
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::unique_ptr<Session> session_;
+};
+
+void bind_scene(nb::module_& module) {
+  nb::class_<PyScene>(module, "Scene", "A mesh with its camera, materials and lights.")
+      .def(
+          "__init__",
+          [](PyScene* self, const std::filesystem::path& path) {
+            new (self) PyScene{path, load_scene(path)};
+          },
+          "path"_a, "Loads glTF, OBJ, PLY or .ply.zst.  Raises ValueError with one sentence.")
+      .def_prop_ro("name", [](const PyScene& s) { return s.scene.name; })
+      .def_prop_ro("triangles", [](const PyScene& s) { return s.scene.mesh.triangles.size(); })
+      .def_prop_ro(
+          "diagonal",
+          [](const PyScene& s) {
+            const auto bounds = bounds_of(s.scene.mesh);
+            return bounds ? bounds->diagonal() : 0.0;
+          },
+          "Of the box of the mesh, in scene units.")
+      .def(
+          "primary_rays",
+          [](const PyScene& s, int width, int height, int spp, std::uint64_t seed) {
+            const PrimaryRays primary = primary_rays(s.scene.camera, width, height, spp, seed);
+            return nb::make_tuple(array_of_rays(primary.rays), array_of(primary.index));
+          },
+          "width"_a, "height"_a, "spp"_a = 1, "seed"_a = 1,
+          "Camera rays, float32 [N,8] in Morton order, and the pixel y * width + x of each.")
+      .def(
+          "random_rays",
+          [](const PyScene& s, std::size_t count, std::uint64_t seed) {
+            return array_of_rays(random_rays(s.scene.mesh, count, seed));
+          },
+          "count"_a, "seed"_a = 1, "Rays around the mesh in all directions, float32 [N,8].")
+      .def(
+          "ao_rays",
+          [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
+             int samples, float radius, std::uint64_t seed, const Bits& format) {
+            return array_of_rays(ao_rays(s.scene.mesh, format_of(format), rays_of(rays),
+                                         hits_of(hits, prims), samples, radius, seed));
+          },
+          "rays"_a, "hits"_a, "prims"_a, "samples"_a, "radius"_a, "seed"_a = 1, nb::kw_only(),
+          "format"_a,
+          "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8], for\n"
+          "engines of the number format `format` (`Engine.format`).")
+      .def(
+          "diffuse_rays",
+          [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
+             int samples, std::uint64_t seed, const Bits& format) {
+            return array_of_rays(diffuse_rays(s.scene.mesh, format_of(format),
+                                              repeated(rays_of(rays), samples),
+                                              repeated(hits_of(hits, prims), samples), seed));
+          },
+          "rays"_a, "hits"_a, "prims"_a, "samples"_a = 1, "seed"_a = 1, nb::kw_only(), "format"_a,
+          "`samples` cosine-distributed rays without an end from each hit, float32 [N,8], for\n"
+          "engines of the number format `format` (`Engine.format`).");
+}
+
+void bind_wave(nb::module_& module) {
+  nb::class_<PyWave>(module, "Wave", "Rays that were traced together.")
+      .def_prop_ro(
+          "hits",
+          [](const PyWave& w) {
+            std::vector<float> data;
+            for (const Hit& h : w.wave.hits) data.insert(data.end(), {h.t, h.u, h.v});
+            return array_of(std::move(data), 3);
+          },
+          nb::rv_policy::move, "float32 [N,3]: t, u, v; t is inf for a miss.")
+      .def_prop_ro(
+          "prims",
+          [](const PyWave& w) {
+            return array_of_each<std::int32_t>(w.wave.hits, [](const Hit& h) { return h.prim; });
+          },
+          nb::rv_policy::move, "int32 [N]: number of the triangle in its file, -1 for a miss.")
+      .def_prop_ro(
+          "steps",
+          [](const PyWave& w) {
+            return array_of_each<std::uint16_t>(w.wave.hits, [](const Hit& h) { return h.steps; });
+          },
+          nb::rv_policy::move, "uint16 [N]: nodes visited.")
+      .def_prop_ro(
+          "tests", [](const PyWave& w) { return array_of(w.wave.tests); }, nb::rv_policy::move,
+          "uint32 [N]: triangles tested; empty unless the model ran beside the engine.")
+      .def_prop_ro(
+          "answered", [](const PyWave& w) { return array_of(w.wave.answered); },
+          nb::rv_policy::move, "uint64 [N]: cycles to each answer; empty but for the RTL.")
+      .def_prop_ro(
+          "good", [](const PyWave& w) { return w.wave.good(); },
+          "Whether nothing was lost, doubled, unexplained or unlike the model.")
+      .def_prop_ro(
+          "report",
+          [](const PyWave& w) { return nb::module_::import_("json").attr("loads")(w.report); },
+          "What report.json would say of this wave alone, as a dict.");
+}
+
+void bind_engine(nb::module_& module) {
+  nb::class_<PyEngine>(module, "Engine",
+                       "A scene with its tree and one engine; caches stay warm between waves.")
+      .def(
+          "__init__",
+          [](PyEngine* self, const PyScene& scene, const std::filesystem::path& config,
+             const std::string& engine, const std::filesystem::path& library, bool lock_step,
+             bool truth, bool tests, int memory_latency, double memory_bytes_per_cycle,
+             std::uint64_t stall_seed) {
+            RunOptions options;
+            options.config = load_config(config);
+            options.engine = kind_of(engine);
+            options.library = library;
+            options.lock_step = lock_step;
+            options.truth = truth;
+            options.tests = tests;
+            options.rtl.memory_latency = memory_latency;
+            options.rtl.memory_bytes_per_cycle = memory_bytes_per_cycle;
+            options.rtl.stall_seed = stall_seed;
+            new (self) PyEngine(scene, options);
+          },
+          "scene"_a, "config"_a, "engine"_a = "model", nb::kw_only(), "library"_a = "",
+          "lock_step"_a = true, "truth"_a = false, "tests"_a = false, "memory_latency"_a = 100,
+          "memory_bytes_per_cycle"_a = 64.0, "stall_seed"_a = 0,
+          "config: a config.json.  library: the libti_rtl.so of `make engine`, for "
+          "engine=\"rtl\".\n"
+          "lock_step compares the RTL with the model, truth all hits with Embree; tests counts\n"
+          "the triangle tests of each ray.")
+      .def_prop_ro("format", &PyEngine::format,
+                   "(E, M): exponent and fraction bits of its numbers.")
+      .def("trace", &PyEngine::trace, "rays"_a, "any_hit"_a = false,
+           "Traces float32 [N,8]: origin xyz, tmin, direction xyz, tmax; gives a Wave.");
+}
+
+}  // namespace
+
+NB_MODULE(ti, module) {
+  module.doc() =
+      "Ray tracing engines in this process: the bit-exact model, the RTL under Verilator, Embree.";
+  nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+    try {
+      std::rethrow_exception(p);
+    } catch (const Error& error) {
+      PyErr_SetString(PyExc_ValueError, error.what());
+    }
+  });
+  module.attr("commit") = commit();
+  bind_scene(module);
+  bind_wave(module);
+  bind_engine(module);
+}
+
+}  // namespace ti

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/session.hpp"
+
+namespace ti {
+
+/// What a run was asked for, beside its options: the rest of where a report comes from.
+struct Request {
+  std::string command;                     ///< render or trace
+  std::string rays;                        ///< of trace: the file or KIND:COUNT
+  std::optional<std::array<int, 2>> size;  ///< of render: width, height
+  int spp = 1;
+  std::string effects = "none";
+  std::uint64_t seed = 1;
+};
+
+/// What a run did: everything that `report.json` holds, in raw counts, so that waves add up.
+///
+/// The JSON form is `report.schema.json` beside this file, version `kVersion`. Two runs of one command differ
+/// only below `sim` and `time`.
+struct Report {
+  static constexpr int kVersion = 1;
+
+  Request request;
+  Wave total;                 ///< hits, tests and truth of all rays
+  std::vector<Counts> waves;  ///< of each wave, in order
+
+  /// Adds a wave.
+  void add(Wave wave);
+
+  /// The share of the host's time that the engine did not take.
+  [[nodiscard]] double host_share() const;
+};
+
+/// The report as JSON, indented, with a newline at its end.
+[[nodiscard]] std::string to_json(const Report& report, const Session& session);
+
+/// The commit that this program was built from, with "+" behind it when files were changed; empty
+/// outside a repository.
+[[nodiscard]] const char* commit();
+
+}  // namespace ti

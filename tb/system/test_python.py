@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The module `ti` answers numpy arrays of rays in this process, as the program does."""
+
+import os
+import sys
+
+import numpy as np
+import pytest
+from agents.program import ROOT, SCENES
+
+CORNELL = SCENES / "cornell.gltf"
+
+
+@pytest.fixture(scope="module")
+def module(ti):
+    """The module, built with the programs."""
+    del ti
+    sys.path.insert(0, str(ROOT / "build/sw/python"))
+    import ti as found
+
+    return found
+
+
+def children():
+    """Processes that this one has started and that still run."""
+    return (ROOT / f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text()
+
+
+def test_model_and_rtl_answer_an_array_without_a_process(module, tiny, ti, tmp_path):
+    program = ti.trace(tmp_path, CORNELL, "random:500", "--dump").good()
+    rays = np.load(tmp_path / "rays.npy")
+    before = children()
+    scene = module.Scene(CORNELL)
+    model = module.Engine(scene, tiny.config).trace(rays)
+    rtl = module.Engine(scene, tiny.config, "rtl", library=tiny.library).trace(rays)
+
+    assert children() == before
+    for wave in (model, rtl):
+        assert wave.good
+        assert wave.hits.tobytes() == program.hits.tobytes()
+        assert wave.prims.tobytes() == program.prims.tobytes()
+        assert wave.steps.tobytes() == np.load(tmp_path / "steps.npy").tobytes()
+    assert (rtl.tests == np.load(tmp_path / "tests.npy")).all()
+    assert rtl.answered.max() < rtl.report["cycles"]
+
+
+def test_an_engine_stays_warm_and_two_of_them_do_not_mix(module, small, tiny):
+    scene = module.Scene(CORNELL)
+    rays = scene.random_rays(300)
+    engines = [
+        module.Engine(scene, p.config, "rtl", library=p.library, truth=True) for p in (small, tiny)
+    ]
+    waves = [engine.trace(rays) for _ in range(2) for engine in engines]
+
+    assert all(wave.good for wave in waves)
+    assert all(wave.hits.tobytes() == waves[0].hits.tobytes() for wave in waves)
+    assert waves[2].report["per_ray"]["dram_bytes"] < waves[0].report["per_ray"]["dram_bytes"] / 10
+    assert waves[2].report["config"] == "small" and waves[3].report["config"] == "tiny"
+
+
+def test_secondary_rays_start_from_hits(module, ti):
+    scene = module.Scene(CORNELL)
+    rays, index = scene.primary_rays(16, 16)
+    assert sorted(index) == list(range(256))
+    engine = module.Engine(scene, ti.config, "embree")
+    first = engine.trace(rays)
+    hits = (first.prims >= 0).sum()
+
+    start = (rays, first.hits, first.prims)
+    radius = 0.1 * scene.diagonal
+    assert engine.format == (8, 23)
+    ao = scene.ao_rays(*start, samples=3, radius=radius, format=engine.format)
+    diffuse = scene.diffuse_rays(*start, samples=2, format=engine.format)
+    assert (len(ao), len(diffuse)) == (3 * hits, 2 * hits)
+    occluded = engine.trace(ao, any_hit=True)
+    assert 0 < (occluded.prims >= 0).sum() < len(ao)
+
+    half = scene.ao_rays(*start, samples=3, radius=radius, format=(5, 10))[:, :3]
+    assert (half == half.astype(np.float16)).all() and not (half == ao[:, :3]).all()
+    with pytest.raises(ValueError, match=r"\(9, 10\).*\(3, 2\) to \(8, 23\)"):
+        scene.diffuse_rays(*start, format=(9, 10))
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda ti, scene, config: ti.Scene("/nowhere.obj"), "/nowhere.obj"),
+        (lambda ti, scene, config: ti.Engine(scene, "/nowhere.json"), "/nowhere.json"),
+        (lambda ti, scene, config: ti.Engine(scene, config, "gpu"), "there are rtl, model, embree"),
+        (lambda ti, scene, config: ti.Engine(scene, config, "rtl"), "make engine"),
+    ],
+)
+def test_bad_input_raises_one_sentence(module, ti, make, says):
+    with pytest.raises(ValueError, match=says) as error:
+        make(module, module.Scene(CORNELL), ti.config)
+    assert "\n" not in str(error.value)
+
+
+def test_an_array_of_another_shape_is_no_rays(module, ti):
+    engine = module.Engine(module.Scene(CORNELL), ti.config)
+    for array in (np.zeros((4, 7), np.float32), np.zeros(8, np.float32), [1, 2]):
+        with pytest.raises(TypeError):
+            engine.trace(array)
+    assert len(engine.trace(np.zeros((0, 8), np.float32)).prims) == 0
