@@ -116,11 +116,11 @@ def rays_of(scene, finder, kind: str, arguments: argparse.Namespace) -> tuple[np
     chosen = sample_tiles(tiles, wanted)
     places = np.concatenate([np.arange(TILE * i, min(TILE * (i + 1), len(rays))) for i in chosen])
     start = (rays[places], found.hits[places], found.prims[places], arguments.samples)
+    options = {"seed": SEED, "format": tuple(found.report["format"])}
     if kind == "ao":
-        radius = AO_RADIUS * scene.diagonal
-        secondary = scene.ao_rays(*start, radius=radius, seed=SEED, format=finder.format)
+        secondary = scene.ao_rays(*start, radius=AO_RADIUS * scene.diagonal, **options)
     else:
-        secondary = scene.diffuse_rays(*start, seed=SEED, format=finder.format)
+        secondary = scene.diffuse_rays(*start, **options)
     if len(secondary) < BATCHES:
         raise BenchError(f"{scene.name}: {kind} rays need hits, and camera rays have almost none")
     return secondary, wanted >= tiles

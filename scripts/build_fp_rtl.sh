@@ -33,6 +33,9 @@ export OBJCACHE="${OBJCACHE-$(command -v ccache || true)}"
 # One build at a time in a folder.
 exec 9> "$out/lock"
 flock 9
+# What a killed build has left is not trusted.
+[ ! -e "$out/unfinished" ] || rm -f "$out"/*.o "$out"/*.a "$out"/*.gch "$out/fp_rtl"
+touch "$out/unfinished"
 
 python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --any-format --out "$out/config"
 
@@ -44,3 +47,4 @@ verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/base/format.cpp" \
   -CFLAGS "-std=c++20 -ffp-contract=off -I$root/sw -I$root/sim/fp" \
   -CFLAGS "-DTI_EXP_BITS=$exp_bits -DTI_FRAC_BITS=$frac_bits" -MAKEFLAGS OPT_FAST=-O2
+rm "$out/unfinished"

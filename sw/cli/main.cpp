@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "cli/hardcases.hpp"
 #include "cli/progress.hpp"
 #include "cli/ray_source.hpp"
@@ -56,9 +57,10 @@ Size parse_size(const std::string& text) {
   int height = 0;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width < 1 ||
-      height < 1 || width > 16384 || height > 16384) {
-    throw Error(fmt::format(
-        "SIZE={}: give a size as WIDTHxHEIGHT, each from 1 to 16384, such as 256x256", text));
+      height < 1 || width > ti::kMaxSide || height > ti::kMaxSide) {
+    throw Error(
+        fmt::format("SIZE={}: give a size as WIDTHxHEIGHT, each from 1 to {}, such as 256x256",
+                    text, ti::kMaxSide));
   }
   return {width, height};
 }
@@ -170,6 +172,10 @@ int render(Arguments& arguments) {
   }
   if (arguments.spp < 1 || arguments.spp > 4096)
     throw Error(fmt::format("SPP={}: give 1 to 4096", arguments.spp));
+  ti::check_ray_count(
+      fmt::format("SIZE={} SPP={}", arguments.size, arguments.spp),
+      static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),
+      static_cast<std::uint64_t>(arguments.spp));
   arguments.run.tests = true;
   const std::size_t pixel_count =
       static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);

@@ -3,10 +3,9 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <atomic>
 #include <mutex>
-#include <thread>
+
+#include "base/parallel.hpp"
 
 namespace ti {
 namespace {
@@ -39,27 +38,17 @@ ModelRun run_model(const Tracer& model, std::span<const Ray> rays) {
   ModelRun run;
   run.hits.resize(rays.size());
   run.tests.resize(rays.size());
-  constexpr std::size_t kBlock = 1024;
-  std::atomic<std::size_t> next{0};
   std::mutex guard;
-  const auto worker = [&] {
+  parallel_pieces(rays.size(), 1024, [&](std::size_t first, std::size_t last) {
     Work sum;
-    for (std::size_t begin = 0; (begin = next.fetch_add(kBlock)) < rays.size();) {
-      for (std::size_t i = begin; i < std::min(begin + kBlock, rays.size()); ++i) {
-        const std::uint64_t before = sum.a_tests;
-        run.hits[i] = model.trace(rays[i], sum);
-        run.tests[i] = static_cast<std::uint32_t>(sum.a_tests - before);
-      }
+    for (std::size_t i = first; i < last; ++i) {
+      const std::uint64_t before = sum.a_tests;
+      run.hits[i] = model.trace(rays[i], sum);
+      run.tests[i] = static_cast<std::uint32_t>(sum.a_tests - before);
     }
     const std::lock_guard lock(guard);
     run.work += sum;
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
-      threads.emplace_back(worker);
-    worker();
-  }
+  });
   return run;
 }
 

@@ -26,6 +26,7 @@ using namespace nb::literals;
 
 template <typename T, typename Shape>
 using Array = nb::ndarray<const T, Shape, nb::c_contig, nb::device::cpu>;
+using Bits = std::pair<int, int>;  // of exponent and fraction
 using RayArray = Array<float, nb::shape<-1, 8>>;
 using HitArray = Array<float, nb::shape<-1, 3>>;
 using PrimArray = Array<std::int32_t, nb::shape<-1>>;
@@ -80,8 +81,6 @@ std::vector<Hit> hits_of(const HitArray& hits, const PrimArray& prims) {
 }
 
 /// (E, M) as Python gives it.
-using Bits = std::pair<int, int>;
-
 Format format_of(const Bits& bits) {
   const auto [e, m] = bits;
   if (e < 3 || e > 8 || m < 2 || m > 23) {

@@ -24,8 +24,8 @@ struct Request {
 
 /// What a run did: everything that `report.json` holds, in raw counts, so that waves add up.
 ///
-/// The JSON form is `report.schema.json` beside this file, version `kVersion`. Two runs of one command differ
-/// only below `sim` and `time`.
+/// The JSON form is `report.schema.json` beside this file, version `kVersion`. Two runs of one
+/// command differ only below `sim` and `time`.
 struct Report {
   static constexpr int kVersion = 1;
 

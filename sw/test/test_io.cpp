@@ -161,9 +161,7 @@ TEST_CASE("a picture has its size and is refused when its colours do not fill it
   check_error([&] { (void)png_of(colours, 2, 2); }, {"2x2"});
   check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 0, 2); }, {"0x2"});
   check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 1, 100000); }, {"100000"});
-  check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 16384, 8192); },
-              {"16384x8192", "2^26"});
-  CHECK_FALSE(std::filesystem::exists(dir / "q.png"));
+  check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 16384, 8192); }, {"2^26"});
 }
 
 /// A configuration with all keys at their defaults, but for those of `changes`.

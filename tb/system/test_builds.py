@@ -236,6 +236,24 @@ def test_an_engine_is_built_by_one_make_which_knows_a_killed_one(tmp_path, kille
     assert not (engine / "unfinished").exists()
 
 
+@pytest.mark.parametrize("killed", [False, True])
+def test_operators_are_built_by_one_make_which_knows_a_killed_one(tmp_path, killed):
+    stage = Stage(tmp_path, "build_fp_rtl.sh")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "half.o").touch()
+    if killed:
+        (out / "unfinished").touch()
+    stage.program("python")
+    stage.program("verilator", f"[ -e {out}/unfinished ] || echo lost >>{tmp_path}/log\n")
+    command = ["build_fp_rtl.sh", "5", "10", str(out)]
+
+    stage.run(command, command)
+    assert stage.log() == ["python", "verilator"] * 2
+    assert (out / "half.o").exists() != killed
+    assert not (out / "unfinished").exists()
+
+
 def test_a_checkout_under_a_path_with_spaces_is_refused(tmp_path):
     folder = tmp_path / "my project"
     folder.mkdir()
