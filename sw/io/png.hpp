@@ -8,7 +8,8 @@
 namespace ti {
 
 /// The bytes of an 8-bit PNG of linear colours, row by row from the top, encoded as sRGB (clamped
-/// to [0, 1]). Throws `Error` when they do not fill `width` x `height`, each 1 to 16384.
+/// to [0, 1]). Throws `Error` when they do not fill `width` x `height`, each 1 to `kMaxSide`, or
+/// are more than `kMaxRays`.
 [[nodiscard]] std::string png_of(std::span<const glm::vec3> linear, int width, int height);
 
 /// The same of red, green and blue as they stand in the file.

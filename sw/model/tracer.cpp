@@ -4,8 +4,8 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <limits>
 #include <mutex>
+#include <span>
 #include <utility>
 
 #include "base/config_keys.hpp"

@@ -80,6 +80,16 @@ std::vector<Hit> hits_of(const HitArray& hits, const PrimArray& prims) {
   return all;
 }
 
+/// (E, M) as Python gives it.
+Format format_of(const Bits& bits) {
+  const auto [e, m] = bits;
+  if (e < 3 || e > 8 || m < 2 || m > 23) {
+    throw Error("format=(" + std::to_string(e) + ", " + std::to_string(m) +
+                "): give (E, M) of the engine, from (3, 2) to (8, 23)");
+  }
+  return {e, m};
+}
+
 /// Each element `times` times.
 template <typename T>
 std::vector<T> repeated(const std::vector<T>& elements, int times) {
@@ -138,6 +148,11 @@ class PyEngine {
     return traced;
   }
 
+  [[nodiscard]] Bits format() const {
+    const Format format = session_->options().config.format;
+    return {format.exp_bits, format.frac_bits};
+  }
+
  private:
   std::atomic<bool> stop_{false};
   std::unique_ptr<Session> session_;
@@ -177,25 +192,25 @@ void bind_scene(nb::module_& module) {
       .def(
           "ao_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, float radius, std::uint64_t seed, Bits format) {
-            return array_of_rays(ao_rays(s.scene.mesh, {format.first, format.second}, rays_of(rays),
+             int samples, float radius, std::uint64_t seed, const Bits& format) {
+            return array_of_rays(ao_rays(s.scene.mesh, format_of(format), rays_of(rays),
                                          hits_of(hits, prims), samples, radius, seed));
           },
-          "rays"_a, "hits"_a, "prims"_a, "samples"_a, "radius"_a, "seed"_a = 1,
-          "format"_a = Bits(8, 23),
-          "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8].\n"
-          "`format`: bits of exponent and fraction of the engine that gave the hits.")
+          "rays"_a, "hits"_a, "prims"_a, "samples"_a, "radius"_a, "seed"_a = 1, nb::kw_only(),
+          "format"_a,
+          "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8], for\n"
+          "engines of the number format `format` (`Engine.format`).")
       .def(
           "diffuse_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, std::uint64_t seed, Bits format) {
-            return array_of_rays(diffuse_rays(s.scene.mesh, {format.first, format.second},
+             int samples, std::uint64_t seed, const Bits& format) {
+            return array_of_rays(diffuse_rays(s.scene.mesh, format_of(format),
                                               repeated(rays_of(rays), samples),
                                               repeated(hits_of(hits, prims), samples), seed));
           },
-          "rays"_a, "hits"_a, "prims"_a, "samples"_a = 1, "seed"_a = 1, "format"_a = Bits(8, 23),
-          "`samples` cosine-distributed rays without an end from each hit, float32 [N,8].\n"
-          "`format`: bits of exponent and fraction of the engine that gave the hits.");
+          "rays"_a, "hits"_a, "prims"_a, "samples"_a = 1, "seed"_a = 1, nb::kw_only(), "format"_a,
+          "`samples` cosine-distributed rays without an end from each hit, float32 [N,8], for\n"
+          "engines of the number format `format` (`Engine.format`).");
 }
 
 void bind_wave(nb::module_& module) {
@@ -263,6 +278,8 @@ void bind_engine(nb::module_& module) {
           "engine=\"rtl\".\n"
           "lock_step compares the RTL with the model, truth all hits with Embree; tests counts\n"
           "the triangle tests of each ray.")
+      .def_prop_ro("format", &PyEngine::format,
+                   "(E, M): exponent and fraction bits of its numbers.")
       .def("trace", &PyEngine::trace, "rays"_a, "any_hit"_a = false,
            "Traces float32 [N,8]: origin xyz, tmin, direction xyz, tmax; gives a Wave.");
 }

@@ -66,11 +66,19 @@ def test_secondary_rays_start_from_hits(module, ti):
     first = engine.trace(rays)
     hits = (first.prims >= 0).sum()
 
-    ao = scene.ao_rays(rays, first.hits, first.prims, samples=3, radius=0.1 * scene.diagonal)
-    diffuse = scene.diffuse_rays(rays, first.hits, first.prims, samples=2)
+    start = (rays, first.hits, first.prims)
+    radius = 0.1 * scene.diagonal
+    assert engine.format == (8, 23)
+    ao = scene.ao_rays(*start, samples=3, radius=radius, format=engine.format)
+    diffuse = scene.diffuse_rays(*start, samples=2, format=engine.format)
     assert (len(ao), len(diffuse)) == (3 * hits, 2 * hits)
     occluded = engine.trace(ao, any_hit=True)
     assert 0 < (occluded.prims >= 0).sum() < len(ao)
+
+    half = scene.ao_rays(*start, samples=3, radius=radius, format=(5, 10))[:, :3]
+    assert (half == half.astype(np.float16)).all() and not (half == ao[:, :3]).all()
+    with pytest.raises(ValueError, match=r"\(9, 10\).*\(3, 2\) to \(8, 23\)"):
+        scene.diffuse_rays(*start, format=(9, 10))
 
 
 @pytest.mark.parametrize(
