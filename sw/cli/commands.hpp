@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The commands of `ti`; each gives its exit status and throws `Error` for bad input.
+#pragma once
+
+#include <string>
+
+#include "engine/session.hpp"
+
+namespace ti {
+
+constexpr int kGood = 0;
+constexpr int kChecksFailed = 1;
+constexpr int kBadInput = 2;
+constexpr int kInterrupted = 130;
+
+struct Arguments {
+  std::string config_file;
+  RunOptions run;
+  std::string size = "256x256";
+  std::string effects = "none";
+  std::string rays;
+  std::string cases_file;
+  int spp = 1;
+  std::uint64_t seed = 1;
+  int waves = 1;
+  bool dump = false;
+  bool progress = true;
+};
+
+int render(Arguments& arguments);
+int trace(Arguments& arguments);
+int image(Arguments& arguments);
+int hardcases(const Arguments& arguments);
+
+/// From now on the first SIGINT stops the run of `arguments`; the second ends the program at once.
+void stop_at_interrupt(Arguments& arguments);
+
+}  // namespace ti
