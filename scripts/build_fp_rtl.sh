@@ -41,7 +41,7 @@ python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_b
 
 verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$exp_bits" -GFracBits="$frac_bits" \
-  -I"$root/rtl/common" "$root/lint/verilator.vlt" "$out/config/ti_config_pkg.sv" \
+  -I"$root/rtl/common" -I"$out/config" "$root/lint/verilator.vlt" "$out/config/ti_config_pkg.sv" \
   "$root/rtl/fp/ti_fp_pkg.sv" "$root/rtl/fp/ti_fp_add.sv" "$root/rtl/fp/ti_fp_mul.sv" \
   "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
   "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/base/format.cpp" \

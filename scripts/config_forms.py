@@ -41,6 +41,16 @@ def package(schema: Schema, machine: str, config: dict[str, Value]) -> str:
     )
 
 
+def macros(schema: Schema, machine: str, config: dict[str, Value]) -> str:
+    """`ti_config.svh`: a macro TI_KEY for each true key, for what a package cannot choose."""
+    true = [f"TI_{k.name.upper()}" for k in schema.keys.values() if config[k.name] is True]
+    lines = "".join(f"`define {name}\n" for name in true)
+    return (
+        f"{HEAD}\n// Machine {machine}, written by scripts/configure.py.\n\n"
+        f"`ifndef TI_CONFIG_SVH_\n`define TI_CONFIG_SVH_\n\n{lines}\n`endif  // TI_CONFIG_SVH_\n"
+    )
+
+
 def _sv(key: Key, value: Value) -> str:
     name = camel(key.name)
     if key.kind == "enum":

@@ -79,6 +79,7 @@ class Configuration:
         """Name and text of what only the keys of the RTL decide."""
         return {
             "ti_config_pkg.sv": config_forms.package(self.schema, self.machine, self.values),
+            "ti_config.svh": config_forms.macros(self.schema, self.machine, self.values),
             "ti_config.hpp": config_forms.header(self.schema, self.machine, self.values),
             "ti_count_pkg.sv": counters.package(self.values),
             "ti_counters.hpp": counters.header(self.values),

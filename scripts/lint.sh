@@ -24,7 +24,7 @@ check() {
 elaborate() {
   # shellcheck disable=SC2086  # a name and overrides
   python scripts/configure.py $1 --out "$config" &&
-    verilator --lint-only -Wall --quiet-stats -Irtl/common lint/verilator.vlt \
+    verilator --lint-only -Wall --quiet-stats -Irtl/common "-I$config" lint/verilator.vlt \
       "$config/ti_config_pkg.sv" "$config/ti_count_pkg.sv" -f rtl/ti.f --top-module ti_engine
 }
 
@@ -32,7 +32,7 @@ rtl=$(find rtl tb sim -name '*.sv' -o -name '*.svh' | sort)
 cpp=$(find sw sim tb -name '*.cpp' -o -name '*.hpp' | sort)
 
 for words in tiny small paper "tiny exp_bits=7 frac_bits=16" \
-  "tiny cores=3 num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0"; do
+  "tiny cores=3 num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0 sync_reset=0"; do
   check "verilator -Wall, $words" elaborate "$words"
 done
 # shellcheck disable=SC2086  # lists of files without spaces

@@ -76,7 +76,7 @@ def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymb
     slang = driver.Driver()
     slang.addStandardArgs()
     sources = [package, package.with_name("ti_count_pkg.sv")]
-    include = []
+    include = [package.parent]
     for line in (rtl / "ti.f").read_text().split():
         if line.startswith("+incdir+"):
             include.append(rtl.parent / line.removeprefix("+incdir+"))

@@ -72,6 +72,7 @@ class Synthesis:
     def read(self, module: str) -> str:
         """Yosys command that elaborates a module of the configuration."""
         sources, options = [*self.packages], ["-DSYNTHESIS", f"--top {module}"]
+        options.append(f"-I{self.packages[0].parent}")
         for word in (self.rtl / "ti.f").read_text().split():
             if word.startswith("+incdir+"):
                 options.append(f"-I{self.rtl.parent / word.removeprefix('+incdir+')}")

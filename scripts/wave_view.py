@@ -67,7 +67,7 @@ def read_unit(name: str, config: Path) -> Unit:
     slang.addStandardArgs()
     packages = [RTL.parent / p for p in (RTL / "ti.f").read_text().split() if p.endswith("_pkg.sv")]
     own = [config / "ti_config_pkg.sv", config / "ti_count_pkg.sv"]
-    folders = [f"-I{path}" for path in sorted(RTL.rglob("*")) if path.is_dir()]
+    folders = [f"-I{path}" for path in (config, *sorted(RTL.rglob("*"))) if path.is_dir()]
     # Modules below the unit are not read; their absence is no matter here.
     words = ["slang", "--top", name, "--ignore-unknown-modules", "-DSYNTHESIS", *folders]
     words += map(str, [*own, *packages, files[0]])

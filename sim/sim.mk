@@ -41,9 +41,9 @@ $(engine)/flags: FORCE
 	@[[ -f $@ && $(call q,flags) == "$$(<$@)" ]] || \
 	  { rm -rf $(verilated) $(engine)/obj $(library) && printf '%s\n' $(call q,flags) >$@; }
 
-$(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv sim/sim.mk $(engine)/flags
+$(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_config.svh $(config)/ti_count_pkg.sv sim/sim.mk $(engine)/flags
 	@scripts/logged.sh $(engine)/verilate.log "build: Verilator ($(what))" verilator $(VERILATOR_FLAGS) \
-	  --Mdir $(verilated) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv -f rtl/ti.f $(wildcard sim/*.sv)
+	  --Mdir $(verilated) -I$(config) lint/verilator.vlt $(wildcard sim/sim.vlt) $(config)/ti_config_pkg.sv $(config)/ti_count_pkg.sv -f rtl/ti.f $(wildcard sim/*.sv)
 	@scripts/logged.sh $(engine)/model.log "build: compile the RTL model ($(what))" \
 	  $(MAKE) -C $(verilated) -f Vti_engine.mk $(MODEL_FLAGS) libVti_engine.a libverilated.a
 	@touch $@

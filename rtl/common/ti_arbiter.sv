@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// N streams into one, round robin: who was served comes last.
 ///
@@ -41,7 +42,7 @@ module ti_arbiter #(
   assign in_ready_o = (any && room) ? NumIn'(1) << index : '0;
   assign in_lost_o  = room ? in_valid_i & ~in_ready_o : '0;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       from_q <= '0;
     end else if (any && room) begin

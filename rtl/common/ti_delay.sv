@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_reset.svh"
+
 /// A payload that leaves `Cycles` cycles after it came, beside a pipeline of fixed latency.
 ///
 /// No stall, no reset: what comes out means something only where the pipeline's valid bit says so.
@@ -36,7 +38,7 @@ module ti_delay #(
     payload_t out_q;
     logic [PointerWidth-1:0] pointer_q;
 
-    always_ff @(posedge clk_i or negedge rst_ni) begin
+    always_ff @(`TI_CLK_RST) begin
       if (!rst_ni) pointer_q <= '0;
       else pointer_q <= (pointer_q == PointerWidth'(Depth - 1)) ? '0 : pointer_q + 1'b1;
     end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// A first-word-fall-through queue.
 ///
@@ -41,7 +42,7 @@ module ti_fifo #(
   assign head_next   = (head_q == PointerWidth'(Depth - 1)) ? '0 : head_q + 1'b1;
   assign tail_next   = (tail_q == PointerWidth'(Depth - 1)) ? '0 : tail_q + 1'b1;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       head_q  <= '0;
       tail_q  <= '0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// The free list of a unit's slots.
 ///
@@ -31,7 +32,7 @@ module ti_slot_pool #(
   assign free_slot_o  = fresh ? fresh_q[SlotWidth-1:0] : queue_slot;
   assign take_old     = take_i && !fresh;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) fresh_q <= '0;
     else if (take_i && fresh) fresh_q <= fresh_q + 1'b1;
   end
@@ -55,7 +56,7 @@ module ti_slot_pool #(
 
 `ifndef SYNTHESIS
   logic [NumSlots-1:0] taken_q;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       taken_q <= '0;
     end else begin

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_reset.svh"
+
 /// The counters of one unit: how often each of its events was 1 while `run_i` was.
 ///
 /// `count_o` is the counter `index_i`, 1 cycle after it was asked for; an index beyond the last reads 0.  Counters
@@ -24,7 +26,7 @@ module ti_counters #(
     logic [Width-1:0] counts[Num];
     for (genvar e = 0; e < Num; e++) begin : gen_event
       logic [Width-1:0] count_q;
-      always_ff @(posedge clk_i or negedge rst_ni) begin
+      always_ff @(`TI_CLK_RST) begin
         if (!rst_ni) count_q <= '0;
         else if (run_i && events_i[e]) count_q <= count_q + 1'b1;
       end

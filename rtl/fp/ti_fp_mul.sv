@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_reset.svh"
+
 /// Floating-point a * b.
 ///
 /// Latency `Stages`, one result a cycle, never stalls: `valid_o` is `valid_i` that many cycles
@@ -79,7 +81,7 @@ module ti_fp_mul #(
 
   logic [Latency-1:0] valid_q;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       valid_q <= '0;
     end else begin

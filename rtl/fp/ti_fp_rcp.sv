@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_reset.svh"
+
 /// Floating-point 1 / a, correctly rounded.
 ///
 /// Latency `ti_fp_pkg::rcp_latency(FracBits, BitsPerStage, EndStages)`, one result a cycle, never
@@ -87,7 +89,7 @@ module ti_fp_rcp #(
 
   logic [Latency-1:0] valid_q;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       valid_q <= '0;
     end else begin

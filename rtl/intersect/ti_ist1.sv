@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// IST1: passes (a) and (b) of the ray-triangle test, each behind its own fetch.
 ///
@@ -215,7 +216,7 @@ module ti_ist1 #(
   ti_intersect_pkg::plane_t plane;
   ti_intersect_pkg::bary_t  bary;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       issue_q       <= 1'b0;
       issue_error_q <= 1'b0;
@@ -340,7 +341,7 @@ module ti_ist1 #(
 
   // What happens, for counting.
   logic [SlotWidth:0] inside_q;  // tests
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) inside_q <= '0;
     else if (take != give) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
   end

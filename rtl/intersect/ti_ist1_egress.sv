@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// How tests leave an IST1: candidates to IST2, misses and errors home.
 ///
@@ -120,7 +121,7 @@ module ti_ist1_egress #(
   assign miss_goes = return_goes && !failed_first;
   assign inside_goes = inside_waits && candidate_room && !return_goes;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       prefer_return_q <= 1'b0;
       prefer_failed_q <= 1'b0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 7 MUL and 1 CMP.
 ///
@@ -72,7 +73,7 @@ module ti_ist1_pipe #(
 
   // Which pass is where.
   logic [TimeEnd:0] valid_q, pass_b_q;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_q <= '0;
     else valid_q <= {valid_q[TimeEnd-1:0], valid_i};
   end

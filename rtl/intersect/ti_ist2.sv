@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// IST2: pass (c), r = 1/det, t = dett*r, u = detu*r, v = detv*r, on 1 RCP and 3 MUL.
 ///
@@ -45,7 +46,7 @@ module ti_ist2 #(
   assign take              = candidate_valid_i && candidate_ready_o;
   assign egress            = return_valid_o && return_ready_i;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) credits_q <= CountWidth'(Depth);
     else if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
   end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// LIST: reads the triangle numbers of a leaf and sends one test for each.
 ///
@@ -136,7 +137,7 @@ module ti_list #(
 
   assign rsp_ready = !answer_valid_q || answer_taken;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) answer_valid_q <= 1'b0;
     else if (rsp_ready) answer_valid_q <= rsp_valid;
   end
@@ -201,7 +202,7 @@ module ti_list #(
 
   // What happens, for counting.
   logic [SlotWidth:0] inside_q;  // leaves
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) inside_q <= '0;
     else if (take != done) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
   end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// Line requests to an AXI4 read port: one burst of one beat a line, the data bus as wide as a line.
 ///
@@ -87,7 +88,7 @@ module ti_axi_read #(
   assign beat        = m_axi_rvalid && m_axi_rready;
   assign known       = outstanding_q[m_axi_rid];
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       outstanding_q <= '0;
     end else begin
@@ -126,7 +127,7 @@ module ti_axi_read #(
   // R.
   assign m_axi_rready = !rsp_valid_o || rsp_ready_i;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) rsp_valid_o <= 1'b0;
     else if (m_axi_rready) rsp_valid_o <= m_axi_rvalid && known;
   end

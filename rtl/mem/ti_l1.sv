@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// The line store of a `ti_ra`: tags, lines, choice of a victim.  It knows nothing of who waits.
 ///
@@ -95,7 +96,7 @@ module ti_l1 #(
     tags_new[victim_way_o] = tag;
   end
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) bypass_q <= 1'b0;
     else if (lookup_en_i) bypass_q <= alloc_i && lookup_set_i == set;
   end
@@ -152,7 +153,7 @@ module ti_l1 #(
     end
   end
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       for (int unsigned s = 0; s < Sets; s++) begin
         valid_q[s]  <= '0;

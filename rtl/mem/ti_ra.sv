@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// Ray accumulation unit in front of an L1 (Nah et al. 2011, section 4): rays that need a line that is
 /// on its way gather in the line's row and leave, one a cycle, when it has arrived; other rays pass them.
@@ -117,7 +118,7 @@ module ti_ra #(
   assign req_line    = req_addr_i[ti_mem_pkg::AddrWidth-1:$clog2(LineBytes)];
   assign req_ready_o = !s1_valid_q || s1_done;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) s1_valid_q <= 1'b0;
     else if (req_ready_o) s1_valid_q <= req_valid_i;
   end
@@ -184,7 +185,7 @@ module ti_ra #(
   assign idle_o               = !s1_valid_q && !s2_valid_q && row_busy_q == '0;
   assign waits_o              = (row_busy_q & ~row_filled_q) != '0;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       row_busy_q   <= '0;
       row_filled_q <= '0;
@@ -248,7 +249,7 @@ module ti_ra #(
     .line_o        (read_line)
   );
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) s2_valid_q <= 1'b0;
     else if (s2_free) s2_valid_q <= drain || use_hit;
   end

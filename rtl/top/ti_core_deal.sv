@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// Deals rays to cores, `Tile` rays in a row to each, so that rays that lie together share its caches.
 ///
@@ -66,7 +67,7 @@ module ti_core_deal #(
   assign last = dealt_q == DealtWidth'(Tile - 1);
   assign push = deal ? NumCores'(1) << core : '0;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       open_q  <= 1'b0;
       dealt_q <= '0;
@@ -85,7 +86,7 @@ module ti_core_deal #(
     assign leaves   = core_valid_o[c] && core_ready_i[c];
     assign roomy[c] = held_q <= CountWidth'(Depth - Tile);
 
-    always_ff @(posedge clk_i or negedge rst_ni) begin
+    always_ff @(`TI_CLK_RST) begin
       if (!rst_ni) held_q <= '0;
       else if (push[c] != leaves) held_q <= push[c] ? held_q + 1'b1 : held_q - 1'b1;
     end

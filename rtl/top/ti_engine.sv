@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// The traversal and intersection engine: rays in, hits out, one AXI4 read port a core.
 ///
@@ -78,7 +79,7 @@ module ti_engine #(
   assign idle_o      = idle;
   assign flush       = flush_q && idle;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       flush_q  <= 1'b0;
       inside_q <= '0;
@@ -116,7 +117,7 @@ module ti_engine #(
   ti_count_pkg::count_t core_count[NumCores];
   ti_count_pkg::count_t axi_count[NumCores];
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) count_run_q <= 1'b0;
     else count_run_q <= count_run_i;
   end

@@ -58,6 +58,8 @@ def test_every_form_has_the_values_of_the_yaml(name, tmp_path):
     cpp = dict(re.findall(r"inline constexpr (?:int|bool) k(\w+) = (\w+);", header))
     hardware = {k: v for k, v in wanted.items() if SCHEMA.keys[k].hardware}
     assert constants == {camel(key): str(int(value)) for key, value in hardware.items()}
+    macros = re.findall(r"^`define TI_(\w+[A-Z])$", (tmp_path / "ti_config.svh").read_text(), re.M)
+    assert {m.lower() for m in macros} == {k for k, value in wanted.items() if value is True}
     assert cpp == {camel(key): json.dumps(value) for key, value in hardware.items()}
 
 

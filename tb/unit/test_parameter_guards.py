@@ -87,6 +87,7 @@ def elaborate(module, values, config):
         [
             "verilator",
             "--lint-only",
+            f"-I{config}",
             *(f"-I{RTL / folder}" for folder in FOLDERS),
             str(ROOT / "lint/verilator.vlt"),
             str(config / "ti_config_pkg.sv"),

@@ -2,6 +2,7 @@
 """The instances of a replicated unit share the functions that Verilator makes of it."""
 
 import re
+import shlex
 import subprocess
 from collections import Counter
 
@@ -29,14 +30,13 @@ def functions(folder, overrides):
     flags = re.search(
         r"^VERILATOR_FLAGS := (.*?)\n(?=[A-Z])", (ROOT / "sim/sim.mk").read_text(), re.S | re.M
     )[1]
-    words = [
-        w for w in flags.replace("\\\n", " ").split() if not w.startswith("$(") and ")" not in w
-    ]
+    words = shlex.split(re.sub(r"\$\(.*\)|\\\n", " ", flags))
     packages = [folder / "ti_config_pkg.sv", folder / "ti_count_pkg.sv"]
     command = [
         "verilator",
         *words,
         "--no-assert",
+        f"-I{folder}",
         "--Mdir",
         folder / "cpp",
         "lint/verilator.vlt",

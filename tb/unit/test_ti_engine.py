@@ -486,7 +486,7 @@ SHAPES = {
     "short_lines": ("num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4", SOME),
     "format": (
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
-        "fp_add_stages=6 fp_mul_stages=5 fp_rcp_bits_per_stage=1 ring_delays=0",
+        "fp_add_stages=6 fp_mul_stages=5 fp_rcp_bits_per_stage=1 ring_delays=0 sync_reset=0",
         f"{SOME}|hard_cases",
     ),
 }

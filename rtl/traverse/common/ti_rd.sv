@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// RD, the ray dispatcher: sets rays up, answers those that miss the scene, deals the others to homes.
 ///
@@ -62,7 +63,7 @@ module ti_rd #(
   assign ray_ready_o = credits_q != '0 && (!hold_valid_q || last_axis);
   assign take        = ray_valid_i && ray_ready_o;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       hold_valid_q <= 1'b0;
       axis_q       <= '0;
@@ -156,7 +157,7 @@ module ti_rd #(
     .index_o  (next_home)
   );
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       home_q  <= '0;
       dealt_q <= '0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// Set-up of a ray, one axis a cycle: the inverse direction and the interval inside the scene box.
 ///
@@ -215,7 +216,7 @@ module ti_rd_clip #(
     .unordered_o()
   );
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) gathered_q <= 1'b0;
     else gathered_q <= mul_valid && along.axis == 2'd2;
   end
@@ -253,7 +254,7 @@ module ti_rd_clip #(
   );
   assign invalid = bad_q || all_parallel_q;
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_o <= 1'b0;
     else valid_o <= gathered_q;
   end

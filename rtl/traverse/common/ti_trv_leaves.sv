@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// Leaves on their way out of a TRV: which slot has reached which leaf, joined with the operands of its tests.
 ///
@@ -69,7 +70,7 @@ module ti_trv_leaves #(
   );
 
   assign take = !valid_q || leaf_ready_i;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_q <= 1'b0;
     else if (take) valid_q <= waits;
   end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// The way home: the best hit of each slot, the end of leaves, retirement.  1 CMP.
 ///
@@ -208,7 +209,7 @@ module ti_trv_return #(
   assign done_ready_o   = load && (prefer_done_q || !return_valid_i);
   assign return_ready_o = load && !(prefer_done_q && done_valid_i);
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       state_q       <= Idle;
       prefer_done_q <= 1'b0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// What a TRV remembers of each slot between steps: interval, step count, node, and the short stack.
 ///
@@ -90,7 +91,7 @@ module ti_kd_state #(
   logic [EarlyLatency:0] valid_q;
   logic early_valid;
   slot_t early_slot;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_q <= '0;
     else valid_q <= {valid_q[EarlyLatency-1:0], step_valid_i};
   end

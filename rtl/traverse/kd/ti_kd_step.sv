@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// The arithmetic of a traversal step: t = (split - o[axis]) * inv[axis], on 1 ADD and 1 MUL.
 ///
@@ -75,7 +76,7 @@ module ti_kd_step #(
   );
 
   logic [Latency-1:0] valid_q;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_q <= '0;
     else valid_q <= {valid_q[Latency-2:0], valid_i};
   end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
+`include "ti_reset.svh"
 
 /// TRV: traversal of the kd-tree for the rays that are at home here (Nah et al. 2011, section 4).
 ///
@@ -174,7 +175,7 @@ module ti_trv #(
     .write_data_i('{o: dispatch_data_i.operands.o, inv: dispatch_data_i.inv})
   );
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) step_q <= 1'b0;
     else step_q <= rsp_valid;
   end
@@ -370,7 +371,7 @@ module ti_trv #(
   logic at_home, moving;
   logic [$bits(slot_t):0] inside_q, moving_q;  // rays at home; of these, on their way to a decision
 
-  always_ff @(posedge clk_i or negedge rst_ni) begin
+  always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       inside_q <= '0;
       moving_q <= '0;
