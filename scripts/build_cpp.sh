@@ -20,4 +20,4 @@ if [[ ! -f "$folder/build.ninja" || "$(cat "$folder/configured.txt" 2>/dev/null)
     cmake -S sw -B "$folder" -G Ninja "$@"
   printf '%s\n' "$wanted" >"$folder/configured.txt"
 fi
-exec scripts/logged.sh "$folder/build.log" "build: C++ (${targets[*]})" ninja -C "$folder" -j "$(nproc)" "${targets[@]}"
+SAY_AFTER=1 exec scripts/logged.sh "$folder/build.log" "build: C++ (${targets[*]})" ninja -C "$folder" -j "$(nproc)" "${targets[@]}"

@@ -38,6 +38,9 @@ UNITS = (
     "ti_ist2",
     "ti_ra",
     "ti_l1",
+    "ti_memory",
+    "ti_axi_read",
+    "ti_core_deal",
     "ti_rd",
     "ti_rd_clip",
 )
