@@ -175,6 +175,10 @@ def measure(ti, path: Path, kind: str, arguments: argparse.Namespace) -> dict:
     }
 
 
+def sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
 def heading(arguments: argparse.Namespace, commit: str) -> dict:
     """What makes two benches the same: all that a cell's cycles depend on."""
     config = json.loads(arguments.config.read_text())
@@ -182,13 +186,14 @@ def heading(arguments: argparse.Namespace, commit: str) -> dict:
         "schema": SCHEMA,
         "commit": commit,
         "config": config,
-        "library": hashlib.sha256(arguments.library.read_bytes()).hexdigest(),
+        "library": sha256(arguments.library),
         "frame": list(arguments.frame),
         "count": arguments.count,
         "samples": arguments.samples,
         "sample_primary": arguments.sample_primary,
         "memory": [arguments.mem_latency, arguments.mem_bytes_per_cycle],
         "scenes": [scene.name for scene in arguments.scene],
+        "scene_sha256": [sha256(scene) for scene in arguments.scene],
         "rays": arguments.rays,
     }
 

@@ -16,7 +16,6 @@
 #include "counters.hpp"
 #include "engine/engine.hpp"
 #include "fixed_memory.hpp"
-#include "io/file.hpp"
 #include "ti_config.hpp"
 #include "verilated.h"
 
@@ -187,7 +186,6 @@ class RtlEngine final : public Engine {
   void start_log() {
     std::vector<std::string> words{"ti"};
     if (options_.log_ray) {
-      write_file(options_.log_file, "");
       words.push_back(fmt::format("+log_ray={}", *options_.log_ray));
       words.push_back(fmt::format("+log_file={}", options_.log_file.string()));
     }

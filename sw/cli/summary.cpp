@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <cstdio>
+
 namespace ti {
 namespace {
 
@@ -127,6 +129,7 @@ void print_tree(const Session& session) {
       tree.triangles, tree.nodes, tree.leaves, tree.empty_leaves,
       ratio(static_cast<double>(tree.references), tree.triangles), tree.depth,
       image.empty() ? fmt::format("{:.2f} s", tree.seconds) : "from " + image.string());
+  std::fflush(stdout);  // also into a pipe: what follows may take long
 }
 
 void print_summary(const Report& report, const Session& session) {

@@ -25,10 +25,6 @@ int trace(Arguments& arguments) {
     rays = make_rays(source, session.scene(), session.model(), arguments.run.config.format,
                      arguments.seed);
   }
-  if (arguments.run.log_ray && *arguments.run.log_ray >= rays.size()) {
-    throw Error(fmt::format("LOG_RAY={}: there are {} rays, numbered from 0",
-                            *arguments.run.log_ray, rays.size()));
-  }
   Report report{
       .request = {.command = "trace", .rays = arguments.rays, .size = {}, .seed = arguments.seed},
       .total = {},

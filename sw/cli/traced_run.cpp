@@ -6,6 +6,7 @@
 #include <atomic>
 #include <csignal>
 
+#include "base/error.hpp"
 #include "cli/summary.hpp"
 #include "io/file.hpp"
 #include "io/npy.hpp"
@@ -71,6 +72,11 @@ Session start(Arguments& arguments, Progress& progress) {
 }
 
 void trace_waves(Session& session, std::span<const Ray> rays, int waves, Report& report) {
+  const auto& log_ray = session.options().log_ray;
+  if (log_ray && *log_ray >= rays.size()) {
+    throw Error(
+        fmt::format("LOG_RAY={}: there are {} rays, numbered from 0", *log_ray, rays.size()));
+  }
   const auto count = static_cast<std::size_t>(waves);
   for (std::size_t i = 0; i < count && !report.total.stopped; ++i) {
     const std::size_t begin = rays.size() * i / count;

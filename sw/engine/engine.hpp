@@ -61,7 +61,7 @@ struct RtlOptions {
   double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
   std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
-  std::filesystem::path log_file;        ///< to this file
+  std::filesystem::path log_file;        ///< to the end of this file
   /// Called now and then with the rays answered and the cycles so far.
   std::function<void(std::uint64_t rays, std::uint64_t cycles)> progress;
 };

@@ -118,6 +118,7 @@ void Session::log_steps(std::span<const Ray> rays) const {
   const Tracer::Log line = [&text](const std::string& step) { text += step + "\n"; };
   (void)model_->trace(rays[*options_.log_ray - submitted_], work, &line);
   write_file(log_file(options_, "model"), text);
+  if (options_.engine == EngineKind::Rtl) write_file(log_file(options_, "rtl"), "");
 }
 
 std::vector<Answer> Session::answers_of(std::span<const Ray> rays, bool& stopped) {

@@ -165,6 +165,14 @@ def test_what_is_no_library_of_the_rtl_is_refused(tiny, ti, out):
     ti.trace(out, CORNELL, "random:10", engine="rtl").refused("make engine CONFIG=")
 
 
+@pytest.mark.parametrize("command", ["render", "trace"])
+def test_a_ray_to_log_that_is_not_there_leaves_nothing(tiny, out, command):
+    words = ["--log-ray", 16, *(["--size", "4x4"] if command == "render" else [])]
+    run = tiny.render if command == "render" else tiny.trace
+    rays = ["random:16"] if command == "trace" else []
+    run(out, CORNELL, *rays, *words).refused("LOG_RAY=16", "16 rays")
+
+
 def test_an_image_beyond_the_addresses_is_refused(knot, ti, out):
     make("engine", CONFIG="tiny", SET="addr_bits=21").good()
     narrow = Program("tiny-addr_bits-21")

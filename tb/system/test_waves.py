@@ -4,7 +4,6 @@
 import resource
 import signal
 import subprocess
-import time
 
 import numpy as np
 import pytest
@@ -65,20 +64,28 @@ def test_a_slow_memory_is_no_lost_ray(tiny, out):
 
 
 def start(program, out, *options):
-    """`ti trace` of many rays in the background."""
+    """`ti trace` of many rays in the background, once its tree is built."""
     command = [program.path, "trace", "--config", program.config, "--scene", CORNELL]
     command += ["--rays", "inside:3000000", "--out", out, "--no-truth", *options]
-    return subprocess.Popen([str(word) for word in command], cwd=ROOT, stderr=subprocess.PIPE)
+    run = subprocess.Popen(
+        [str(word) for word in command],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert any(line.startswith("tree:") for line in run.stdout), run.wait()
+    return run
 
 
 def test_an_interrupt_ends_a_run_with_what_it_has(tiny, out):
     run = start(tiny, out, "--rtl", tiny.library, "--dump")
-    time.sleep(2)
     run.send_signal(signal.SIGINT)
-    _, errors = run.communicate(timeout=300)
+    said, _ = run.communicate(timeout=300)
 
-    assert run.returncode == 130, errors
+    assert run.returncode == 130, said
     prims = np.load(out / "prims.npy")
+    assert f"of the first {len(prims)} rays" in said
     assert 0 <= len(prims) < 3_000_000
     assert len(np.load(out / "hits.npy")) == len(np.load(out / "rays.npy")) == len(prims)
     assert not list(out.glob("*.part"))
@@ -86,10 +93,8 @@ def test_an_interrupt_ends_a_run_with_what_it_has(tiny, out):
 
 def test_a_second_interrupt_ends_it_at_once_and_leaves_nothing(tiny, out):
     run = start(tiny, out, "--rtl", tiny.library)
-    time.sleep(1)
-    for _ in range(2):
+    while run.poll() is None:  # until one is the second: the first may stop the run by itself
         run.send_signal(signal.SIGINT)
-        time.sleep(0.05)
     run.communicate(timeout=300)
 
     assert run.returncode in (-signal.SIGINT, 130)
