@@ -60,7 +60,7 @@ def main(ti, config, folder, count="200000"):
         ours = (ray["steps"] - ray["leaves"], ray["leaves"], ray["full_leaves"], ray["tests"])
         theirs = published or ("-",) * 4
         cells = " ".join(f"{a:5.1f} /{b:>4}" for a, b in zip(ours, theirs, strict=True))
-        print(f"{name:14} {kind:8} {cells} {report['tree']['build_seconds']:8.2f}")
+        print(f"{name:14} {kind:8} {cells} {report['time']['build']:8.2f}")
 
 
 if __name__ == "__main__":

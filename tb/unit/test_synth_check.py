@@ -9,6 +9,7 @@ import sys
 import pytest
 from agents.bench import ROOT
 from configure import configure
+from synth_check import Synthesis
 
 
 def check(folder, *arguments, rtl=ROOT / "rtl"):
@@ -28,6 +29,16 @@ def with_line(folder, line):
     assert text.count(end) == 1
     file.write_text(text.replace(end, line + end))
     return rtl
+
+
+@pytest.mark.parametrize(("sync_reset", "found"), [(1, "none"), (0, "any")])
+def test_registers_see_the_reset_as_the_configuration_says(tmp_path, sync_reset, found):
+    configure("tiny", [f"sync_reset={sync_reset}"], tmp_path)
+    synthesis = Synthesis(tmp_path, ROOT / "rtl")
+    asynchronous = f"select -assert-{found} t:$adff t:$adffe t:$aldff t:$aldffe"
+    good, text = synthesis.run("ti_ra", synthesis.read("ti_ra"), asynchronous)
+
+    assert good, text[-2000:]
 
 
 def test_engine_is_clean(tmp_path):
