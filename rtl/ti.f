@@ -23,6 +23,8 @@ rtl/fp/ti_fp_rcp.sv
 rtl/fp/ti_fp_class.sv
 rtl/mem/ti_l1.sv
 rtl/mem/ti_ra.sv
+rtl/mem/ti_l2_bank.sv
+rtl/mem/ti_l2.sv
 rtl/mem/ti_lines.sv
 rtl/mem/ti_axi_read.sv
 rtl/mem/ti_memory.sv

@@ -35,7 +35,7 @@ from config_forms import write_changed
 from config_schema import SCHEMA, ConfigError, Schema, Value, is_power
 
 CONFIGS = SCHEMA.parent
-L1S = ("trv", "list", "ist1")
+READERS = ("trv", "list", "ist1")
 LONGEST_FOLDER = 100
 
 
@@ -170,8 +170,9 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
             f"but must be at most num_trv, {config['num_trv']}"
         )
     check_reciprocal(path, config)
-    for unit in L1S:
-        check_cache(path, config, unit)
+    for unit in READERS:
+        check_l1(path, config, unit)
+        check_l2(path, config, unit)
 
 
 def check_format(configuration: Configuration) -> None:
@@ -196,20 +197,32 @@ def check_reciprocal(path: Path, config: dict[str, int]) -> None:
         )
 
 
-def check_cache(path: Path, config: dict[str, int], unit: str) -> None:
+def check_l1(path: Path, config: dict[str, int], unit: str) -> None:
     """The L1 of `unit` divides into a power of two of sets; its rows are no more than its slots."""
-    size_key, slots = f"{unit}_l1_bytes", config[f"{unit}_slots"]
-    way_bytes = config["line_bytes"] * config[f"{unit}_l1_ways"]
-    sets, rest = divmod(config[size_key], way_bytes)
-    if rest or not is_power(sets):
-        raise ConfigError(
-            f"{path}: {size_key} is {config[size_key]}, but must be line_bytes * {unit}_l1_ways, "
-            f"{way_bytes}, times a power of two"
-        )
+    check_sets(path, config, f"{unit}_l1", 1)
+    slots = config[f"{unit}_slots"]
     if config[f"{unit}_rows"] > slots:
         raise ConfigError(
             f"{path}: {unit}_rows is {config[f'{unit}_rows']}, "
             f"but must be from 1 to {unit}_slots, {slots}"
+        )
+
+
+def check_l2(path: Path, config: dict[str, int], unit: str) -> None:
+    """The banks of the L2 of `unit`, where there is one, divide into powers of two of sets."""
+    if config[f"{unit}_l2_bytes"]:
+        check_sets(path, config, f"{unit}_l2", config[f"{unit}_l2_banks"])
+
+
+def check_sets(path: Path, config: dict[str, int], cache: str, banks: int) -> None:
+    size = config[f"{cache}_bytes"]
+    least = config["line_bytes"] * config[f"{cache}_ways"] * banks
+    sets, rest = divmod(size, least)
+    if rest or not is_power(sets):
+        of_banks = f" * {cache}_banks" if banks > 1 else ""
+        raise ConfigError(
+            f"{path}: {cache}_bytes is {size}, but must be line_bytes * {cache}_ways{of_banks}, "
+            f"{least}, times a power of two"
         )
 
 

@@ -22,9 +22,22 @@ def description() -> dict:
     return yaml.safe_load(SOURCE.read_text())
 
 
+def kinds(table: dict) -> dict[str, str]:
+    """Kinds of units in the order of their numbers: name -> its unit in the table."""
+    return {
+        f"{of}_{unit}" if of else unit: unit
+        for unit, entry in table["units"].items()
+        for of in entry.get("of", [""])
+    }
+
+
+def own_events(table: dict, unit: str) -> dict[str, str]:
+    return {k: v for k, v in table["units"][unit].items() if k not in ("cache", "of")}
+
+
 def events(table: dict, unit: str) -> dict[str, str]:
     """Names and meanings of a unit's events, in the order of their numbers."""
-    own = {k: v for k, v in table["units"][unit].items() if k != "cache"}
+    own = own_events(table, unit)
     cache = table["cache"] if has_cache(table, unit) else {}
     return {**table["activity"], **own, **cache}
 
@@ -35,8 +48,14 @@ def has_cache(table: dict, unit: str) -> bool:
 
 def counts_of(config: dict[str, int]) -> dict[str, int]:
     """How many units of each kind a core has."""
-    replicated = {unit: config[f"num_{unit}"] for unit in ("trv", "list", "ist1")}
-    return {unit: replicated.get(unit, 1) for unit in description()["units"]}
+    readers = ("trv", "list", "ist1")
+    replicated = {unit: config[f"num_{unit}"] for unit in readers}
+    banks = {f"{u}_l2": config[f"{u}_l2_banks"] if config[f"{u}_l2_bytes"] else 0 for u in readers}
+    return {kind: (replicated | banks).get(kind, 1) for kind in kinds(description())}
+
+
+def camel(name: str) -> str:
+    return "".join(part.capitalize() for part in name.split("_"))
 
 
 def package(config: dict[str, int]) -> str:
@@ -50,17 +69,17 @@ def package(config: dict[str, int]) -> str:
         struct("cache_events_t", [f"logic {name}" for name in table["cache"]]),
     ]
     for unit in table["units"]:
-        own = [k for k in table["units"][unit] if k != "cache"]
+        own = own_events(table, unit)
         fields = ["activity_t activity", *(f"logic {name}" for name in own)]
         fields += ["cache_events_t cache"] if has_cache(table, unit) else []
         lines.append(struct(f"{unit}_events_t", fields))
     for unit in table["units"]:
         number = len(events(table, unit))
-        lines.append(f"  localparam int unsigned Num{unit.capitalize()}Events = {number};")
+        lines.append(f"  localparam int unsigned Num{camel(unit)}Events = {number};")
     lines.append("\n  // Units of a core, kind by kind.")
     first = 0
-    for unit, count in counts_of(config).items():
-        lines.append(f"  localparam int unsigned Unit{unit.capitalize()} = {first};")
+    for kind, count in counts_of(config).items():
+        lines.append(f"  localparam int unsigned Unit{camel(kind)} = {first};")
         first += count
     widest = max(len(events(table, unit)) for unit in table["units"])
     lines += [
@@ -83,9 +102,9 @@ def header(config: dict[str, int]) -> str:
     """`ti_counters.hpp`: the same for C++."""
     table = description()
     rows, first = [], 0
-    for unit, count in counts_of(config).items():
-        names = ", ".join(f'"{name}"' for name in events(table, unit))
-        rows.append(f'    {{"{unit}", {first}, {count}, {{{names}}}}},\n')
+    for kind, count in counts_of(config).items():
+        names = ", ".join(f'"{name}"' for name in events(table, kinds(table)[kind]))
+        rows.append(f'    {{"{kind}", {first}, {count}, {{{names}}}}},\n')
         first += count
     return (
         f"{HEAD}// What is counted, written by scripts/counters.py from rtl/count/counters.yaml.\n"
@@ -109,7 +128,9 @@ def markdown() -> str:
     for unit in table["units"]:
         for number, (name, text) in enumerate(events(table, unit).items()):
             if name not in table["activity"]:
-                lines.append(f"| `{unit}` | {number} | `{name}` | {text} |")
+                kinds_of = table["units"][unit].get("of")
+                shown = ", ".join(f"`{of}_{unit}`" for of in kinds_of) if kinds_of else f"`{unit}`"
+                lines.append(f"| {shown} | {number} | `{name}` | {text} |")
     return "\n".join(lines) + "\n"
 
 

@@ -47,11 +47,20 @@ class Counters {
     return 0;
   }
 
-  /// Cycles by activity of each kind of unit; without counters, only how many units there are.
+  /// How many units of a kind a core has.
+  [[nodiscard]] static int units(std::string_view unit) {
+    for (const config::CountedUnit& kind : config::kCountedUnits)
+      if (unit == kind.name) return kind.count;
+    return 0;
+  }
+
+  /// Cycles by activity of each kind of unit that there is; without counters, only how many there
+  /// are.
   [[nodiscard]] std::vector<UnitCounts> units() const {
     std::vector<UnitCounts> units;
     for (std::size_t k = 0; k < sums_.size(); ++k) {
       const config::CountedUnit& kind = config::kCountedUnits[k];
+      if (kind.count == 0) continue;
       UnitCounts unit{kind.name, static_cast<std::uint64_t>(kind.count) * config::kCores, {}};
       for (std::size_t e = 0; config::kCounters != 0 && e < config::kActivities; ++e)
         unit.activities.emplace_back(kind.events[e], sums_[k][e]);

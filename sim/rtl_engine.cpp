@@ -364,6 +364,11 @@ Counts RtlEngine::counts() {
                               counters.sum(unit, "l1_hits"), counters.sum(unit, "l1_merged"),
                               counters.sum(unit, "l1_misses")});
   }
+  for (const char* unit : {"trv_l2", "list_l2", "ist1_l2"}) {
+    if (counters.units(unit) == 0) continue;
+    machine.caches.push_back({unit, counters.sum(unit, "accesses"), counters.sum(unit, "hits"),
+                              counters.sum(unit, "merged"), counters.sum(unit, "misses")});
+  }
   machine.units = counters.units();
   return counts;
 }

@@ -2,15 +2,15 @@
 
 `include "ti_assert.svh"
 
-/// The line ports of one kind of unit onto one stream of requests, answers back to who asked.
+/// The line ports of the units of one kind, or of the banks of its L2, onto one stream of requests; answers back to
+/// who asked.
 ///
-/// 1 cycle for a request, one a cycle; none for an answer.  This is where the L2 of the kind will stand: it has
-/// the same ports, and as each unit has its own stream of answers, banks can answer several in a cycle.
+/// 1 cycle for a request, one a cycle; none for an answer.
 module ti_lines #(
-  /// Units of the kind, 1 or more.
-  parameter int unsigned NumUnits  = 1,
-  /// Number of the first one's port among those of the core.
-  parameter int unsigned FirstPort = 0
+  /// Units or banks, 1 or more.
+  parameter int unsigned NumUnits    = 1,
+  /// Number of the first one among the clients of the memory port.
+  parameter int unsigned FirstClient = 0
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -39,10 +39,10 @@ module ti_lines #(
 
   for (genvar u = 0; u < NumUnits; u++) begin : gen_unit
     assign requests[u] = '{
-            port_index: ti_mem_pkg::port_index_t'(FirstPort + u),
+            client: ti_mem_pkg::client_t'(FirstClient + u),
             req: line_req_data_i[u]
         };
-    assign mine[u] = rsp_data_i.port_index == ti_mem_pkg::port_index_t'(FirstPort + u);
+    assign mine[u] = rsp_data_i.client == ti_mem_pkg::client_t'(FirstClient + u);
     assign line_rsp_valid_o[u] = rsp_valid_i && mine[u];
     assign line_rsp_data_o[u] = rsp_data_i.rsp;
   end
@@ -66,8 +66,8 @@ module ti_lines #(
   logic unused_lost;
   assign unused_lost = |lost;
 
-  if (NumUnits < 1 || FirstPort + NumUnits > ti_mem_pkg::NumPorts) begin : gen_check_ports
-    $error("ti_lines: NumUnits must be 1 or more, and the last port one of the core");
+  if (NumUnits < 1 || FirstClient + NumUnits > ti_mem_pkg::NumClients) begin : gen_check_ports
+    $error("ti_lines: NumUnits must be 1 or more, and the last one a client of the memory port");
   end
 
   `TI_ASSERT(AnswersOneUnit, rsp_valid_i |-> $onehot(mine))

@@ -65,6 +65,11 @@ module ti_engine #(
 );
 
   localparam int unsigned NumPorts = ti_mem_pkg::NumPorts;
+  localparam int unsigned NumL2Banks = (ti_mem_pkg::NumBanks > 0) ? ti_mem_pkg::NumBanks : 1;
+
+  localparam int unsigned BankIndexWidth = (ti_mem_pkg::NumBanks > 0) ? $clog2(
+      ti_mem_pkg::NumBanks + 1
+  ) : 1;
 
   // Rays inside, those in queues included.
   logic take, give, deal_ready;
@@ -115,7 +120,7 @@ module ti_engine #(
   ti_count_pkg::unit_index_t count_unit_q, count_unit_q2;
   ti_count_pkg::event_index_t count_event_q;
   ti_count_pkg::count_t core_count[NumCores];
-  ti_count_pkg::count_t axi_count[NumCores];
+  ti_count_pkg::count_t memory_count[NumCores];
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) count_run_q <= 1'b0;
@@ -128,7 +133,7 @@ module ti_engine #(
     count_unit_q2 <= count_unit_q;
     count_event_q <= count_event_i;
   end
-  assign count_o = (32'(count_unit_q2) == ti_count_pkg::UnitAxi) ? axi_count[count_core_q2] :
+  assign count_o = (32'(count_unit_q2) >= ti_count_pkg::UnitTrvL2) ? memory_count[count_core_q2] :
       core_count[count_core_q2];
 
   for (genvar c = 0; c < NumCores; c++) begin : gen_core
@@ -136,6 +141,8 @@ module ti_engine #(
     ti_mem_pkg::line_req_t line_req[NumPorts];
     ti_mem_pkg::line_rsp_t line_rsp[NumPorts];
     ti_count_pkg::axi_events_t axi_events;
+    ti_count_pkg::l2_events_t l2_events[NumL2Banks];
+    logic memory_idle;
 
     ti_core u_core (
       .clk_i,
@@ -164,6 +171,8 @@ module ti_engine #(
     ti_memory u_memory (
       .clk_i,
       .rst_ni,
+      .flush_i         (flush),
+      .idle_o          (memory_idle),
       .line_req_valid_i(line_req_valid),
       .line_req_ready_o(line_req_ready),
       .line_req_data_i (line_req),
@@ -187,21 +196,46 @@ module ti_engine #(
       .m_axi_rdata     (m_axi_rdata[c]),
       .m_axi_rresp     (m_axi_rresp[c]),
       .m_axi_rlast     (m_axi_rlast[c]),
-      .events_o        (axi_events)
+      .events_o        (axi_events),
+      .l2_events_o     (l2_events)
     );
 
+    // Banks of counters of the memory side, in the order of `ti_count_pkg`.
+    ti_count_pkg::count_t counts[ti_mem_pkg::NumBanks+1];
+    if (ti_mem_pkg::NumBanks == 0) begin : gen_no_banks
+      logic unused_events;
+      assign unused_events = ^l2_events[0];
+    end
+    for (genvar b = 0; b < ti_mem_pkg::NumBanks; b++) begin : gen_l2_counters
+      ti_counters #(
+        .Num(ti_count_pkg::NumL2Events)
+      ) u_counters (
+        .clk_i,
+        .rst_ni,
+        .run_i   (count_run_q),
+        .events_i(l2_events[b]),
+        .index_i (count_event_q),
+        .count_o (counts[b])
+      );
+    end
     ti_counters #(
       .Num(ti_count_pkg::NumAxiEvents)
-    ) u_counters (
+    ) u_axi_counters (
       .clk_i,
       .rst_ni,
       .run_i   (count_run_q),
       .events_i(axi_events),
       .index_i (count_event_q),
-      .count_o (axi_count[c])
+      .count_o (counts[ti_mem_pkg::NumBanks])
     );
+    logic [BankIndexWidth-1:0] memory_unit;
+    assign memory_unit = BankIndexWidth'(32'(count_unit_q2) - ti_count_pkg::UnitTrvL2);
+    assign memory_count[c] = (32'(count_unit_q2) < ti_count_pkg::NumUnits) ? counts[memory_unit] :
+        '0;
 
-    `TI_ASSERT(IdleMeansEmpty, idle |-> core_idle[c])
+    `TI_ASSERT(IdleMeansEmpty, idle |-> core_idle[c] && memory_idle)
+    logic unused_idle;
+    assign unused_idle = memory_idle;
   end
 
   ti_arbiter #(

@@ -112,11 +112,11 @@ class LineMemory:
         return self._rng.getrandbits(8 * self._line_bytes)
 
     def _show(self, identity, error, data):
-        """An identity is all of a request but its line: an id, or (number of a port, id)."""
+        """An identity is all of a request but its line: an id, or (number of a client, id)."""
         self._shown = identity
         if isinstance(identity, tuple):
             port, row = identity
-            fields = {"port_index": port, "rsp": {"id": row, "error": int(error), "data": data}}
+            fields = {"client": port, "rsp": {"id": row, "error": int(error), "data": data}}
         else:
             fields = {"id": identity, "error": int(error), "data": data}
         self._answer_data.value = payloads().pack(self._answer_type, fields)
@@ -135,7 +135,7 @@ class LineMemory:
             return
         self._stalled = None
         request = payloads().unpack(self._ask_type, bits)
-        port, request = request.get("port_index"), request.get("req", request)
+        port, request = request.get("client"), request.get("req", request)
         identity, line = request["id"], request["line"]
         identity = identity if port is None else (port, identity)
         assert all(identity != other for _, other, _ in self._waiting), (

@@ -42,17 +42,17 @@ async def answers_every_request_at_the_right_unit_and_id(dut, p_gap, p_ready, p_
 
 
 @cocotb.test()
-async def requests_carry_the_number_of_their_port(dut):
+async def requests_carry_the_number_of_their_client(dut):
     _, _, units = await begin(dut)
-    first, seen = int(dut.FirstPort.value), set()
+    first, seen = int(dut.FirstClient.value), set()
     units.left = [20] * units.num
     playing = cocotb.start_soon(units.play())
     while not playing.done():
         await ReadOnly()
         if dut.req_valid_o.value == 1:
             asked = payloads().unpack("port_req_t", int(dut.req_data_o.value))
-            seen.add(asked["port_index"] - first)
-            assert asked["port_index"] == first + units.unit_of[asked["req"]["line"]]
+            seen.add(asked["client"] - first)
+            assert asked["client"] == first + units.unit_of[asked["req"]["line"]]
         await RisingEdge(dut.clk_i)
 
     assert seen == set(range(units.num))
@@ -123,4 +123,4 @@ async def takes_two_requests_while_the_memory_sleeps(dut):
 @pytest.mark.parametrize(("units", "first"), [(1, 0), (3, 1), (4, 3)])
 def test_ti_lines(units, first):
     config = "tiny num_trv=4 num_list=2 trv_rows=4"
-    run("ti_lines", "test_ti_lines", config=config, NumUnits=units, FirstPort=first)
+    run("ti_lines", "test_ti_lines", config=config, NumUnits=units, FirstClient=first)
