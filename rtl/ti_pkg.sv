@@ -86,7 +86,8 @@ package ti_pkg;
     list_index_t   first;
     tri_count_t    count;     // 1 or more
     ray_operands_t operands;
-    fp_t           tbest;     // the ray's best t so far
+    fp_t           tnear;     // its tests count from here
+    fp_t           tfar;      // to here; outside they may be dropped
   } leaf_t;
 
   /// Intersection -> traversal: `count` tests of the leaf are over.

@@ -28,7 +28,8 @@ package ti_intersect_pkg;
     ti_pkg::home_t         home;
     ti_pkg::record_t       record;
     ti_pkg::ray_operands_t operands;
-    ti_pkg::fp_t           tbest;
+    ti_pkg::fp_t           tnear;
+    ti_pkg::fp_t           tfar;
   } test_t;
 
   /// IST1 -> IST2: a test that is inside the triangle.

@@ -54,7 +54,8 @@ module ti_ist1 #(
 
   typedef struct packed {
     ti_pkg::ray_operands_t ray;
-    ti_pkg::fp_t           tbest;
+    ti_pkg::fp_t           tnear;
+    ti_pkg::fp_t           tfar;
   } operands_t;
 
   /// What pass (a) leaves for pass (b).
@@ -244,7 +245,9 @@ module ti_ist1 #(
     .read_data_o (operands),
     .write_en_i  (take),
     .write_addr_i(new_slot),
-    .write_data_i('{ray: test_data_i.operands, tbest: test_data_i.tbest})
+    .write_data_i(
+    '{ray: test_data_i.operands, tnear: test_data_i.tnear, tfar: test_data_i.tfar}
+    )
   );
 
   ti_ram_1r1w #(
@@ -283,7 +286,8 @@ module ti_ist1 #(
     .axis_i  (issue_tag.axis),
     .o_i     (operands.ray.o),
     .d_i     (operands.ray.d),
-    .tbest_i (operands.tbest),
+    .tnear_i (operands.tnear),
+    .tfar_i  (operands.tfar),
     .plane_i (plane),
     .bary_i  (bary),
     .det_i   (between.det),

@@ -3,7 +3,8 @@
 `include "ti_assert.svh"
 `include "ti_reset.svh"
 
-/// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 7 MUL and 1 CMP.
+/// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 8 MUL and 2 CMP; 7 MUL and 1 CMP without the cull
+/// against the near end (`ti_config_pkg::IntervalCull`).
 ///
 /// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p).
 /// One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
@@ -15,15 +16,17 @@
 /// | H  4 ADD| TimeH     | au,av,aw = p - o;  n = nu*du + nv*dv | Du = du*dett - audet, Dv          |
 /// | G2 2 MUL| TimeG2    | nu*au, nv*av                         | e1v*Du, e1u*Dv                    |
 /// | X1 1 ADD| TimeX1    | det = n + dw                         | detu = e1v*Du - e1u*Dv            |
-/// | G3 2 MUL| TimeG3    | limit = tbest*det, audet = au*det    | e0u*Dv, e0v*Du                    |
+/// | G3 3 MUL| TimeG3    | limit = tfar*det, audet = au*det, nearest = tnear*det | e0u*Dv, e0v*Du   |
 /// | X2 1 ADD| TimeX2    | m = nu*au + nv*av                    | detv = e0u*Dv - e0v*Du            |
 /// | X3 1 ADD| TimeX3    | dett = m + aw                        | sum = detu + detv                 |
-/// | CMP     | TimeEnd   | mag(limit) + 4 ulp < mag(dett) | mag(sum) <= mag(det)    |
+/// | CMP     | TimeEnd   | mag(limit) + 4 ulp < mag(dett)       | mag(sum) <= mag(det)              |
+/// | CMP     | TimeEnd   | mag(dett) + 4 ulp < mag(nearest)     |                                   |
 ///
-/// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign, or
-/// |dett| exceeds |limit| by more than 4 ulp.  The last counts only where tbest, limit and
-/// 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tbest for certain, as its relative error
-/// is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.
+/// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign,
+/// |dett| exceeds |limit| by more than 4 ulp, or |nearest| exceeds |dett| by more than 4 ulp.
+/// The far end counts only where tfar, limit and 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tfar for
+/// certain, as its relative error is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.  The near end
+/// counts only where nearest is a normal number: then dett / det < tnear for certain.
 /// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
 module ti_ist1_pipe #(
   /// Width of what travels along untouched.
@@ -46,7 +49,8 @@ module ti_ist1_pipe #(
   input logic                     [         1:0] axis_i,    // w
   input ti_pkg::vec3_t                           o_i,
   input ti_pkg::vec3_t                           d_i,
-  input ti_pkg::fp_t                             tbest_i,
+  input ti_pkg::fp_t                             tnear_i,   // (a), 0 or more
+  input ti_pkg::fp_t                             tfar_i,    // (a)
   input ti_intersect_pkg::plane_t                plane_i,   // (a)
   input ti_intersect_pkg::bary_t                 bary_i,    // (b), as are the next four
   input ti_pkg::fp_t                             det_i,
@@ -289,14 +293,14 @@ module ti_ist1_pipe #(
   fp_t g3_k0, g3_k1, hu_g3, hv_g3, g3_0, g3_1;
   logic b_g3;
   assign b_g3 = pass_b_q[TimeG3-1];
-  // (a) tbest; (b) e0u, e0v.
+  // (a) tfar; (b) e0u, e0v.
   ti_delay #(
     .payload_t(logic [2*W-1:0]),
     .Cycles   (TimeG3)
   ) u_to_g3 (
     .clk_i,
     .rst_ni,
-    .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tbest_i}),
+    .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tfar_i}),
     .data_o({g3_k1, g3_k0})
   );
   ti_delay #(
@@ -332,6 +336,46 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(g3_1)
   );
+
+  // (a) The near end, beside the others.
+  fp_t nearest;
+  if (ti_config_pkg::IntervalCull) begin : gen_near
+    fp_t tnear_g3, nearest_x2;
+    ti_delay #(
+      .payload_t(fp_t),
+      .Cycles   (TimeG3)
+    ) u_tnear_to_g3 (
+      .clk_i,
+      .rst_ni,
+      .data_i(tnear_i),
+      .data_o(tnear_g3)
+    );
+    ti_fp_mul #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_g3_2 (
+      .clk_i,
+      .rst_ni,
+      .valid_i(valid_q[TimeG3-1] && !b_g3),
+      .a_i(tnear_g3),
+      .b_i(x1),
+      .valid_o(),
+      .result_o(nearest_x2)
+    );
+    ti_delay #(
+      .payload_t(fp_t),
+      .Cycles   (TimeEnd - TimeX2)
+    ) u_nearest_to_end (
+      .clk_i,
+      .rst_ni,
+      .data_i(nearest_x2),
+      .data_o(nearest)
+    );
+  end else begin : gen_no_near
+    logic unused_tnear;
+    assign unused_tnear = ^tnear_i;
+    assign nearest = '0;
+  end
 
   // TimeX2.
   fp_t g2_0_x2, g2_1_x2, x2;
@@ -397,7 +441,7 @@ module ti_ist1_pipe #(
   );
 
   // TimeEnd.
-  fp_t x1_end, x2_end, limit, audet, av_end, tbest_end, det_in, dett_in;
+  fp_t x1_end, x2_end, limit, audet, av_end, tfar_end, det_in, dett_in;
   logic [TagWidth-1:0] tag_end;
   logic b_end;
   assign b_end = pass_b_q[TimeEnd-1];
@@ -443,13 +487,21 @@ module ti_ist1_pipe #(
   ) u_to_end (
     .clk_i,
     .rst_ni,
-    .data_i({tag_i, dett_i, pass_b_i ? det_i : tbest_i}),
+    .data_i({tag_i, dett_i, pass_b_i ? det_i : tfar_i}),
     .data_o({tag_end, dett_in, det_in})
   );
-  assign tbest_end = det_in;
+  assign tfar_end = det_in;
 
   // What kinds of numbers these are.
-  logic zero_det, finite_det, zero_dett, finite_dett, nan_dett, normal_tbest, normal_limit;
+  logic
+      zero_det,
+      finite_det,
+      zero_dett,
+      finite_dett,
+      nan_dett,
+      normal_tfar,
+      normal_limit,
+      normal_nearest;
   logic zero_x1, nan_x1, zero_x2, nan_x2;
   ti_fp_class #(
     .ExpBits (E),
@@ -484,11 +536,11 @@ module ti_ist1_pipe #(
   ti_fp_class #(
     .ExpBits (E),
     .FracBits(M)
-  ) u_tbest_class (
-    .x_i     (tbest_end),
+  ) u_tfar_class (
+    .x_i     (tfar_end),
     .zero_o  (),
     .finite_o(),
-    .normal_o(normal_tbest),
+    .normal_o(normal_tfar),
     .nan_o   ()
   );
   ti_fp_class #(
@@ -499,6 +551,16 @@ module ti_ist1_pipe #(
     .zero_o  (),
     .finite_o(),
     .normal_o(normal_limit),
+    .nan_o   ()
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_nearest_class (
+    .x_i     (nearest),
+    .zero_o  (),
+    .finite_o(),
+    .normal_o(normal_nearest),
     .nan_o   ()
   );
   assign zero_det = zero_x1;
@@ -525,15 +587,34 @@ module ti_ist1_pipe #(
     .unordered_o()
   );
 
+  // (a) |dett| + 4 ulp < |nearest|.
+  fp_t dett_size, dett_up;
+  logic lies_before, cull_near;
+  assign dett_size = {1'b0, dett_a[W-2:0]};
+  assign dett_up   = (dett_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
+      dett_size + fp_t'(CullUlps);
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_near (
+    .a_i(dett_up),
+    .b_i({1'b0, nearest[W-2:0]}),
+    .lt_o(lies_before),
+    .eq_o(),
+    .le_o(),
+    .unordered_o()
+  );
+  assign cull_near = lies_before && normal_nearest;
+
   // Zero, or a number of the same sign.
   assign dett_agrees = zero_dett || (dett_a[W-1] == det_a[W-1] && !nan_dett);
   assign x1_agrees = zero_x1 || (x1_end[W-1] == det_in[W-1] && !nan_x1);
   assign x2_agrees = zero_x2 || (x2_end[W-1] == det_in[W-1] && !nan_x2);
 
   assign inverse_is_normal = det_a[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
-  assign cull = lt && inverse_is_normal && normal_tbest && normal_limit;
+  assign cull = lt && inverse_is_normal && normal_tfar && normal_limit;
   assign good_a = !zero_det && finite_det && finite_dett;
-  assign keep_a = good_a && dett_agrees && !cull;
+  assign keep_a = good_a && dett_agrees && !cull && !cull_near;
   assign keep_b = x1_agrees && x2_agrees && le;
 
   always_ff @(posedge clk_i) begin

@@ -54,7 +54,8 @@ module ti_list #(
   typedef struct packed {
     ti_pkg::home_t         home;
     ti_pkg::ray_operands_t operands;
-    ti_pkg::fp_t           tbest;
+    ti_pkg::fp_t           tnear;
+    ti_pkg::fp_t           tfar;
   } shared_t;
 
   logic slot_free, take, again, done, step;
@@ -162,7 +163,12 @@ module ti_list #(
     .write_en_i(take),
     .write_addr_i(new_slot),
     .write_data_i(
-    '{home: leaf_data_i.home, operands: leaf_data_i.operands, tbest: leaf_data_i.tbest}
+    '{
+        home: leaf_data_i.home,
+        operands: leaf_data_i.operands,
+        tnear: leaf_data_i.tnear,
+        tfar: leaf_data_i.tfar
+    }
     )
   );
 
@@ -173,7 +179,8 @@ module ti_list #(
           home: shared.home,
           record: answer_record_q,
           operands: shared.operands,
-          tbest: shared.tbest
+          tnear: shared.tnear,
+          tfar: shared.tfar
       };
 
   assign return_valid_o = answer_valid_q && answer_error_q;

@@ -78,7 +78,9 @@ Session::Session(const RunOptions& options, Scene scene)
       warnings_(scene_.warnings),
       image_(build(scene_, options_, stats_)),
       model_(Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
-                                     .watchdog_steps = options_.config.watchdog_steps})) {
+                                     .watchdog_steps = options_.config.watchdog_steps,
+                                     .interval_cull = options_.config.interval_cull,
+                                     .interval_guard = options_.config.interval_guard})) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
   if (options_.truth || options_.engine == EngineKind::Embree)

@@ -10,6 +10,16 @@
 
 namespace ti::model {
 
+/// Where on the ray a test counts: outside, pass (a) may drop it.
+template <class F>
+struct TestRange {
+  F near;  ///< 0 or more
+  F far;
+};
+
+/// Units in the last place by which the range test of pass (a) errs on the side of keeping.
+constexpr std::uint32_t kCullUlps = 4;
+
 /// What pass (a) leaves for pass (b).
 template <class F>
 struct AfterA {
@@ -47,11 +57,11 @@ template <class F>
 /// Pass (a), ray against plane (Shevtsov et al. 2007, local form); nothing when the test is done.
 ///
 /// Bit-exact model of `ti_ist1_pipe`, pass (a): det = (nu du + nv dv) + dw, dett = (nu au + nv av)
-/// + aw with a = p - o. The cull by the best t is conservative: it holds only where the rounded t
-/// must exceed `tbest`.
+/// + aw with a = p - o. Both culls are conservative: `range.far` drops a test only where the
+/// rounded t must exceed it, `range.near` only where dett / det is less.
 template <class F>
 [[nodiscard]] std::optional<AfterA<F>> pass_a(const ImagePlane& plane, const Vec3<F>& o,
-                                              const Vec3<F>& d, F tbest) {
+                                              const Vec3<F>& d, const TestRange<F>& range) {
   const std::size_t w = plane.axis;
   const std::size_t u = (w + 1) % 3;
   const std::size_t v = (w + 2) % 3;
@@ -62,15 +72,18 @@ template <class F>
   const F av = F::from_bits(plane.pv) - o[v];
   const F aw = F::from_bits(plane.pw) - o[w];
   const F dett = (nu * au + nv * av) + aw;
-  const F limit = tbest * det;
+  const F nearest = detail::magnitude(range.near * det);
+  const F farthest = detail::magnitude(range.far * det);
+  const F size = detail::magnitude(dett);
 
   if (det.is_zero() || !det.is_finite() || !dett.is_finite()) return std::nullopt;
   if (!detail::agrees(dett, det)) return std::nullopt;
   const bool inverse_is_normal = detail::exponent(det) <= 2 * F::kBias - 2;
-  if (inverse_is_normal && detail::is_normal(tbest) && detail::is_normal(limit) &&
-      detail::magnitude(limit).ulps_up(4) < detail::magnitude(dett)) {
+  if (inverse_is_normal && detail::is_normal(range.far) && detail::is_normal(farthest) &&
+      farthest.ulps_up(kCullUlps) < size) {
     return std::nullopt;
   }
+  if (detail::is_normal(nearest) && size.ulps_up(kCullUlps) < nearest) return std::nullopt;
   return AfterA<F>{det, dett, au * det, av};
 }
 

@@ -37,8 +37,8 @@ class KdTree {
   explicit KdTree(const Image& image)
       : root_(image.header().root), nodes_(image.nodes()), list_(image.list()) {}
 
-  /// Calls `visit(records, exit)` for each leaf, `exit` where the ray leaves it; the walk ends when
-  /// that is true.
+  /// Calls `visit(records, entry, exit)` for each leaf, with the t at which the ray enters and
+  /// leaves it; the walk ends when that is true.
   template <class Visit>
   [[nodiscard]] Walked walk(const FpRay<F>& ray, const Clipped<F>& clipped,
                             const WalkLimits& limits, Work& work, const StepLog* log,
@@ -85,7 +85,7 @@ Walked KdTree<F>::walk(const FpRay<F>& ray, const Clipped<F>& clipped, const Wal
     const F exit = tmax;
     if (log) (*log)(fmt::format("node {} leaf {} exit {:08x}", index, node.count(), exit.bits()));
     if (node.count() != 0) ++work.full_leaves;
-    if (visit(list_.subspan(node.value, node.count()), exit)) return {Status::Ok, steps};
+    if (visit(list_.subspan(node.value, node.count()), tmin, exit)) return {Status::Ok, steps};
     if (!stack.empty()) {
       const auto top = stack.pop();
       index = top.node;

@@ -25,12 +25,12 @@ class LocalTest {
   /// Number of the triangle in the mesh.
   [[nodiscard]] std::uint32_t prim(std::uint32_t record) const { return planes_[record].prim; }
 
-  /// Nothing when the triangle is missed, or surely beyond `tbest`.
-  [[nodiscard]] std::optional<Candidate<F>> test(std::uint32_t record, const FpRay<F>& ray, F tbest,
-                                                 Work& work) const {
+  /// Nothing when the triangle is missed, or surely outside `range`.
+  [[nodiscard]] std::optional<Candidate<F>> test(std::uint32_t record, const FpRay<F>& ray,
+                                                 const TestRange<F>& range, Work& work) const {
     const ImagePlane& plane = planes_[record];
     ++work.a_tests;
-    const auto a = pass_a(plane, ray.o, ray.d, tbest);
+    const auto a = pass_a(plane, ray.o, ray.d, range);
     if (!a) return std::nullopt;
     ++work.b_tests;
     const auto b = pass_b(plane, barys_[record], ray.d, *a);

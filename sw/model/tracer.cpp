@@ -30,6 +30,8 @@ class TracerOf final : public Tracer {
   TracerOf(const Image& image, const Options& options)
       : limits_{static_cast<std::size_t>(options.stack_depth),
                 static_cast<std::uint32_t>(options.watchdog_steps)},
+        interval_cull_(options.interval_cull),
+        guard_(static_cast<std::uint32_t>(options.interval_guard)),
         tree_(image),
         test_(image) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -51,11 +53,12 @@ class TracerOf final : public Tracer {
     const model::Clipped<F> clipped = clip(box_, ray);
     if (clipped.miss) return miss({clipped.status, 0});
     Best best{ray.tmax, F{}, F{}};
-    const model::Walked walked = tree_.walk(
-        ray, clipped, limits_, work, log, [&](std::span<const std::uint32_t> records, F exit) {
-          test_leaf(records, ray, best, work);
-          return best.t <= exit || (ray.any && best.prim != kNoPrim);
-        });
+    const model::Walked walked =
+        tree_.walk(ray, clipped, limits_, work, log,
+                   [&](std::span<const std::uint32_t> records, F entry, F exit) {
+                     test_leaf(records, ray, range(entry, exit, best.t), best, work);
+                     return best.t <= exit || (ray.any && best.prim != kNoPrim);
+                   });
     HitBits hit = miss(walked);
     if (walked.status != Status::Ok || best.prim == kNoPrim) return hit;
     hit.t = ray.any ? 0 : best.t.bits();
@@ -80,12 +83,18 @@ class TracerOf final : public Tracer {
     return hit;
   }
 
-  /// All triangles of a leaf, each with the best t from before the leaf.
-  void test_leaf(std::span<const std::uint32_t> records, const model::FpRay<F>& ray, Best& best,
-                 Work& work) const {
-    const F tbest = best.t;
+  /// Where the tests of a leaf count: in its interval, moved outward by the guard, and not beyond
+  /// the best t from before the leaf.
+  [[nodiscard]] model::TestRange<F> range(F entry, F exit, F tbest) const {
+    if (!interval_cull_) return {F{}, tbest};
+    return {entry.ulps_down(guard_), tbest <= exit ? tbest : exit.ulps_up(guard_)};
+  }
+
+  /// All triangles of a leaf.
+  void test_leaf(std::span<const std::uint32_t> records, const model::FpRay<F>& ray,
+                 const model::TestRange<F>& range, Best& best, Work& work) const {
     for (const std::uint32_t record : records) {
-      const auto c = test_.test(record, ray, tbest, work);
+      const auto c = test_.test(record, ray, range, work);
       if (!c || !(ray.tmin <= c->t)) continue;
       const std::uint32_t prim = test_.prim(record);
       if (c->t < best.t || (c->t == best.t && prim < best.prim)) best = {c->t, c->u, c->v, prim};
@@ -93,6 +102,8 @@ class TracerOf final : public Tracer {
   }
 
   model::WalkLimits limits_;
+  bool interval_cull_;
+  std::uint32_t guard_;
   Tree tree_;
   Test test_;
   model::Box<F> box_;

@@ -29,6 +29,8 @@ class Tracer {
   struct Options {
     int stack_depth = 4;
     int watchdog_steps = 65535;
+    bool interval_cull = true;  ///< whether a leaf's tests count only within its interval
+    int interval_guard = 4;     ///< units in the last place by which it grows at each end
   };
 
   /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format, tree or test

@@ -61,7 +61,8 @@ std::optional<Hit> test(const PreparedTriangles& prepared, std::size_t triangle,
   };
   const Vec3<F> d = vec(ray.d);
   const F far = F::from_double(std::numeric_limits<double>::infinity());
-  const auto a = model::pass_a(prepared.planes[triangle], vec(ray.o), d, far);
+  const auto a =
+      model::pass_a(prepared.planes[triangle], vec(ray.o), d, model::TestRange<F>{F{}, far});
   if (!a) return {};
   const auto b = model::pass_b(prepared.planes[triangle], prepared.barys[triangle], d, *a);
   if (!b) return {};

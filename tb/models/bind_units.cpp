@@ -62,9 +62,10 @@ std::tuple<Bits, Bits> ordered(Bits link, Bits index, bool negative) {
 }
 
 std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, const Bits3& d,
-                            Bits tbest) {
+                            Bits tnear, Bits tfar) {
   return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
-    const auto a = model::pass_a(plane_of(plane), vec<F>(o), vec<F>(d), F::from_bits(tbest));
+    const model::TestRange<F> range{F::from_bits(tnear), F::from_bits(tfar)};
+    const auto a = model::pass_a(plane_of(plane), vec<F>(o), vec<F>(d), range);
     if (!a) return std::nullopt;
     return Bits4{a->det.bits(), a->dett.bits(), a->audet.bits(), a->av.bits()};
   });
@@ -107,7 +108,7 @@ void bind_units(nb::module_& module) {
   module.def("ordered", &ordered, nb::arg("link"), nb::arg("index"), nb::arg("negative"),
              "(near, far) of the inner node at `index`.");
   module.def("pass_a", &pass_a, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
-             nb::arg("o"), nb::arg("d"), nb::arg("tbest"),
+             nb::arg("o"), nb::arg("d"), nb::arg("tnear"), nb::arg("tfar"),
              "(det, dett, audet, av), or None when the test is over.");
   module.def("pass_b", &pass_b, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
              nb::arg("bary"), nb::arg("d"), nb::arg("after_a"),

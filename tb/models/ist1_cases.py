@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cases for the passes of IST1: a dict of what the pass reads, as bits.
 
-(a): plane, axis, o, d, tbest.  (b): bary, axis, d, after_a = (det, dett, audet, av), det finite and
+(a): plane, axis, o, d, tnear, tfar.  (b): bary, axis, d, after_a = (det, dett, audet, av), det finite and
 not 0, as pass (a) leaves it.
 """
 
@@ -18,25 +18,27 @@ def expected(case):
     n, plane = numbers(), case.get("plane", plane_words(0, 0, (0, 0, 0), case["axis"]))
     if "after_a" in case:
         return n.model("pass_b", plane, case["bary"], case["d"], case["after_a"])
-    return n.model("pass_a", plane, case["o"], case["d"], case["tbest"])
+    return n.model("pass_a", plane, case["o"], case["d"], case["tnear"], case["tfar"])
 
 
 def pass_a_cases(rng, count):
     yield from corners_of_a(rng)
-    yield from near_best(rng, count // 3)
+    for end in ("tnear", "tfar"):
+        yield from near_end(rng, count // 6, end)
     n = numbers()
     for _ in range(count // 3):
         axis = rng.randrange(3)
         plane = plane_words(n.any(rng), n.any(rng), n.any_vec(rng), axis)
-        yield case_a(plane, n.any_vec(rng), n.any_vec(rng), n.any(rng))
+        yield case_a(plane, n.any_vec(rng), n.any_vec(rng), n.any(rng), n.any(rng))
     scene = Scene(soup(rng, 40))
     for o, d in rays_through(rng, count // 3):
-        tbest = rng.choice((n.inf, n.of(rng.uniform(0, 3))))
-        yield case_a(rng.choice(scene.planes), o, d, tbest)
+        tnear = rng.choice((0, n.of(rng.uniform(0, 1.5))))
+        tfar = rng.choice((n.inf, n.of(rng.uniform(0, 3))))
+        yield case_a(rng.choice(scene.planes), o, d, tnear, tfar)
 
 
-def case_a(plane, o, d, tbest):
-    return {"plane": plane, "axis": plane[5], "o": o, "d": d, "tbest": tbest}
+def case_a(plane, o, d, tnear, tfar):
+    return {"plane": plane, "axis": plane[5], "o": o, "d": d, "tnear": tnear, "tfar": tfar}
 
 
 def corners_of_a(rng):
@@ -49,15 +51,16 @@ def corners_of_a(rng):
         along = tuple(n.one if a == axis else 0 for a in range(3))
         across = tuple(0 if a == axis else n.one for a in range(3))
         skew = tuple(minus if a == axis else one for a in range(3))
-        for tbest in (n.inf, one, 0, n.sign, least, most, n.of(2.0), n.nan):
+        ends = (n.inf, one, 0, n.sign, least, most, n.of(2.0), n.nan)
+        for tnear, tfar in [*((0, end) for end in ends), *((end, n.inf) for end in ends)]:
             for nu, nv in [(0, 0), (n.sign, 0), (one, 0), (one, minus), (least, least), (most, 0)]:
                 for p in (zero, far, (most, most, most), (least, least, least)):
                     for d in (along, across, skew):
-                        yield case_a(plane_words(nu, nv, p, axis), zero, d, tbest)
+                        yield case_a(plane_words(nu, nv, p, axis), zero, d, tnear, tfar)
 
 
-def near_best(rng, count):
-    """The best t so far is the t of this very test, or up to 12 ulp beside it."""
+def near_end(rng, count, end):
+    """That end of the range is the t of this very test, or up to 12 ulp beside it."""
     n = numbers()
     while count > 0:
         axis = rng.randrange(3)
@@ -70,14 +73,14 @@ def near_best(rng, count):
         )
         o = n.vec(rng.uniform(-2, 2) * scale for _ in range(3))
         d = n.direction(rng)
-        a = n.model("pass_a", plane, o, d, n.inf)
+        a = n.model("pass_a", plane, o, d, 0, n.inf)
         if a is None:
             continue
         hit = n.model("pass_c", (a[0], a[1], 0, 0))
         if hit is None or not 12 < hit[0] < n.inf - 12:
             continue
         for _ in range(8):
-            yield case_a(plane, o, d, hit[0] + rng.randint(-12, 12))
+            yield {**case_a(plane, o, d, 0, n.inf), end: hit[0] + rng.randint(-12, 12)}
         count -= 8
 
 
@@ -94,7 +97,7 @@ def pass_b_cases(rng, count):
         for o, d in rays_through(rng, left):
             record = rng.randrange(len(scene.planes))
             plane = scene.planes[record]
-            after_a = n.model("pass_a", plane, o, d, n.inf)
+            after_a = n.model("pass_a", plane, o, d, 0, n.inf)
             if after_a is not None:
                 left -= 1
                 yield case_b(scene.barys[record], plane[5], d, after_a)

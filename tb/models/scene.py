@@ -46,11 +46,11 @@ class Scene:
     def prim(self, record):
         return self.planes[record][6]
 
-    def test(self, record, o, d, tbest):
+    def test(self, record, o, d, tnear, tfar):
         """The three passes of the model on bits."""
         n = numbers()
         plane, bary = self.planes[record], self.barys[record]
-        after_a = n.model("pass_a", plane, o, d, tbest)
+        after_a = n.model("pass_a", plane, o, d, tnear, tfar)
         if after_a is None:
             return Outcome(1)
         after_b = n.model("pass_b", plane, bary, d, after_a)

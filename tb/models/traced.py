@@ -5,6 +5,7 @@ from collections import Counter
 
 import ti_model
 from models.numbers import numbers
+from models.payload import configuration
 from models.rays import ray
 from models.scene import rays_through
 
@@ -13,7 +14,11 @@ NO_PRIM = (1 << 32) - 1
 
 
 def tracer(scene, depth, watchdog):
-    return ti_model.Tracer.create(scene.image, depth, watchdog)
+    """The model of the configuration, with a short stack and a watchdog of these sizes."""
+    config = configuration()
+    return ti_model.Tracer.create(
+        scene.image, depth, watchdog, config["interval_cull"], config["interval_guard"]
+    )
 
 
 def random_rays(rng, count):

@@ -9,7 +9,6 @@ from pathlib import Path
 import cocotb
 import counters
 import pytest
-import ti_model
 from agents.axi_memory import DECERR, EXOKAY, OKAY, SLVERR, AxiMemory
 from agents.bench import run, start
 from agents.stream import Sink, Source, stalls
@@ -18,6 +17,7 @@ from models.numbers import numbers
 from models.payload import configuration, payloads
 from models.rays import bad_rays, parallel_rays, ray
 from models.scene import BASE, Scene, rays_through, soup
+from models.traced import tracer
 
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
 NO_PRIM = (1 << 32) - 1
@@ -51,9 +51,7 @@ class Bench:
         beat = payloads().pack("scene_t", sections | counts, root=scene.root, box_lo=lo, box_hi=hi)
         self.dut.scene_i.value = beat
         keys = configuration()
-        self.tracer = ti_model.Tracer.create(
-            scene.image, keys["stack_depth"], keys["watchdog_steps"]
-        )
+        self.tracer = tracer(scene, keys["stack_depth"], keys["watchdog_steps"])
         return scene
 
     def forget_scenes(self):

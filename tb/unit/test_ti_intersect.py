@@ -61,7 +61,8 @@ class Bench:
             "first": first,
             "count": count,
             "operands": {"o": o, "d": d},
-            "tbest": n.inf if rng.random() < 0.5 else n.of(rng.uniform(0, 2)),
+            "tnear": 0 if rng.random() < 0.5 else n.of(rng.uniform(0, 1)),
+            "tfar": n.inf if rng.random() < 0.5 else n.of(rng.uniform(0, 2)),
         }
 
     def records(self, leaf):
@@ -72,7 +73,7 @@ class Bench:
         )
 
     def outcome(self, leaf, record):
-        return self.scene.test(record, *leaf["operands"].values(), leaf["tbest"])
+        return self.scene.test(record, *leaf["operands"].values(), leaf["tnear"], leaf["tfar"])
 
     def expected(self, leaf):
         """Its tokens, and the passes that its tests take."""

@@ -57,12 +57,13 @@ def random_tests(rng, scene, count):
             "home": {"trv": i & 1, "slot": i >> 1 & 7},
             "record": record,
             "operands": {"o": o, "d": d},
-            "tbest": n.inf if rng.random() < 0.5 else n.of(rng.uniform(0, 2)),
+            "tnear": 0 if rng.random() < 0.5 else n.of(rng.uniform(0, 1)),
+            "tfar": n.inf if rng.random() < 0.5 else n.of(rng.uniform(0, 2)),
         }
 
 
 def outcome(scene, test):
-    return scene.test(test["record"], *test["operands"].values(), test["tbest"])
+    return scene.test(test["record"], *test["operands"].values(), test["tnear"], test["tfar"])
 
 
 def candidate(scene, test):

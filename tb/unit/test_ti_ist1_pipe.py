@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ti_ist1_pipe` takes pass (a) or (b) each cycle, in any mixture, and does what the model does."""
 
+from fractions import Fraction
+
 import cocotb
 import pytest
 from agents.bench import run, start
 from agents.fixed_latency import replay
 from cocotb.triggers import ReadOnly, RisingEdge
-from models.ist1_cases import expected, near_best, pass_a_cases, pass_b_cases
+from models.ist1_cases import expected, near_end, pass_a_cases, pass_b_cases
 from models.numbers import hexed, numbers
 from models.payload import payloads
 
@@ -29,7 +31,8 @@ def ports(case, rng):
         "axis_i": case["axis"],
         "o_i": p.pack_vec(case.get("o", noise(3))),
         "d_i": p.pack_vec(case["d"]),
-        "tbest_i": case.get("tbest", *noise(1)),
+        "tnear_i": case.get("tnear", *noise(1)),
+        "tfar_i": case.get("tfar", *noise(1)),
         "plane_i": sum(word << 32 * i for i, word in enumerate(plane)),
         "bary_i": sum(word << 32 * i for i, word in enumerate(bary)),
         "det_i": det,
@@ -78,19 +81,37 @@ async def pass_b_is_the_model_s(dut):
 
 
 @cocotb.test()
-async def culls_only_what_the_final_comparison_rejects(dut):
+async def culls_at_the_far_end_only_what_the_final_comparison_rejects(dut):
     rng = await start(dut)
     n = numbers()
-    cases = list(near_best(rng, 2000))
+    cases = list(near_end(rng, 2000, "tfar"))
     _, _, kept = await check(dut, rng, cases)
 
     culled = 0
     for case, keeps in zip(cases, kept, strict=True):
-        det, dett, _, _ = n.model("pass_a", case["plane"], case["o"], case["d"], n.inf)
+        det, dett, _, _ = n.model("pass_a", case["plane"], case["o"], case["d"], 0, n.inf)
         t, _, _ = n.model("pass_c", (det, dett, 0, 0))
         if keeps is None:
             culled += 1
-            assert n.less(case["tbest"], t), hexed(case)
+            assert n.less(case["tfar"], t), hexed(case)
+    assert 100 < culled < len(cases) - 100
+
+
+@cocotb.test()
+async def culls_at_the_near_end_only_what_lies_before_it(dut):
+    """dett / det, exactly, is less than tnear; so of two ranges that meet one keeps each test."""
+    rng = await start(dut)
+    n = numbers()
+    cases = list(near_end(rng, 2000, "tnear"))
+    _, _, kept = await check(dut, rng, cases)
+
+    culled = 0
+    for case, keeps in zip(cases, kept, strict=True):
+        if keeps is None:
+            culled += 1
+            a = n.model("pass_a", case["plane"], case["o"], case["d"], 0, n.inf)
+            det, dett = (Fraction(n.float(bits)) for bits in a[:2])
+            assert dett / det < Fraction(n.float(case["tnear"])), hexed(case)
     assert 100 < culled < len(cases) - 100
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ti_kd_decide` follows the traversal rules in every combination of what it looks at."""
 
-from itertools import product
+from itertools import combinations, product
 
 import cocotb
 import pytest
@@ -15,6 +15,7 @@ NEAR, FAR, BOTH = range(3)
 OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
 ROOT, INDEX, LINK, TOP = 7, 100, 900, 555
 STACK_DEPTH, WATCHDOG_STEPS = parameter("StackDepth", 4), parameter("WatchdogSteps", 50)
+CULL, GUARD = parameter("IntervalCull", 1), parameter("Guard", 4)
 
 
 def interval():
@@ -51,7 +52,7 @@ def inner_cases():
 
 
 def leaf_cases():
-    _, tmax, ray_tmax, _ = interval()
+    tmin, tmax, ray_tmax, _ = interval()
     for (negative, reorder, level, dropped, steps, error), tbest, count, whole in product(
         common(), around(tmax), (0, 1, 65535), (0, 1)
     ):
@@ -59,6 +60,11 @@ def leaf_cases():
         yield case(
             negative, reorder, level, dropped, steps, error, count=count, tbest=tbest, ray_tmax=end
         )
+    inf = numbers().inf
+    ends = {0, 1, GUARD, GUARD + 1, tmin, inf - GUARD - 1, inf - GUARD, inf - 1, inf}
+    for (first, last), tbest in product(combinations(sorted(ends), 2), (inf, tmin)):
+        rest = {"count": 1, "tbest": tbest, "tmin": first, "tmax": last, "ray_tmax": last}
+        yield case(0, 0, 0, 0, 0, 0, **rest)
 
 
 def case(negative, reorder, level, dropped, steps, error, **rest):
@@ -119,10 +125,17 @@ def inner_rule(c, word):
 def leaf_rule(c, word):
     n = numbers()
     full = int(word >> 3 != 0)
+    best_ends = n.model("fp_le", c["tbest"], c["tmax"])
     ends = {"leaf": full, "done": int(not full), "status": OK, "push": 0}
-    if not full and n.model("fp_le", c["tbest"], c["tmax"]):
+    if full:
+        ends |= {"tnear": 0, "tfar": c["tbest"]}
+        if CULL:
+            ends["tnear"] = max(c["tmin"] - GUARD, 0)
+            ends["tfar"] = c["tbest"] if best_ends else min(c["tmax"] + GUARD, n.inf)
+    elif best_ends:
         return {**ends, "go": 0}
-    on = {"leaf": full, "go": 1, "push": 0, "tmin": c["tmax"]}
+    on = {**ends, "done": 0, "go": 1, "tmin": c["tmax"]}
+    on.pop("status")
     if c["level"]:
         rest = {"next": TOP, "tmax": c["top_tmax"], "level": c["level"] - 1, "pop": 1}
         return {**on, **rest, "dropped": c["dropped"], "restart": 0}
@@ -161,6 +174,7 @@ async def a_leaf_goes_on_from_the_stack_or_the_root_or_ends(dut):
     assert seen == ends | goes_on
 
 
-@pytest.mark.parametrize("depth", [1, 4])
-def test_ti_kd_decide(depth):
-    run("ti_kd_decide", "test_ti_kd_decide", StackDepth=depth, WatchdogSteps=50)
+@pytest.mark.parametrize(("depth", "cull", "guard"), [(1, 0, 0), (4, 1, 4), (4, 1, 0)])
+def test_ti_kd_decide(depth, cull, guard):
+    values = {"StackDepth": depth, "WatchdogSteps": 50, "IntervalCull": cull, "Guard": guard}
+    run("ti_kd_decide", "test_ti_kd_decide", params=values)

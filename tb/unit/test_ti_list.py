@@ -54,7 +54,8 @@ class List:
             "first": first,
             "count": count,
             "operands": {"o": numbers().any_vec(rng), "d": numbers().any_vec(rng)},
-            "tbest": numbers().any(rng),
+            "tnear": numbers().any(rng),
+            "tfar": numbers().any(rng),
         }
 
     def leaves(self, counts):
@@ -63,7 +64,7 @@ class List:
 
     def tests(self, leaf, good=lambda line: True):
         """The tests of a leaf as far as its entries are good, and how many are left."""
-        shared = {k: leaf[k] for k in ("home", "operands", "tbest")}
+        shared = {k: leaf[k] for k in ("home", "operands", "tnear", "tfar")}
         tests = []
         for place in range(leaf["first"], leaf["first"] + leaf["count"]):
             if place >= self.count or self.ids[place] >= self.records or not good(self.line(place)):

@@ -25,7 +25,8 @@ def push(dut, rng, slot, operands):
     values = {
         "first": rng.getrandbits(32),
         "count": rng.randrange(1, 1 << 16),
-        "tbest": numbers().any(rng),
+        "tnear": numbers().any(rng),
+        "tfar": numbers().any(rng),
     }
     dut.push_i.value, dut.push_slot_i.value = 1, slot
     for name, value in values.items():

@@ -23,7 +23,8 @@ module ti_trv_leaves #(
   input ti_pkg::trv_slot_t   push_slot_i,
   input ti_pkg::list_index_t push_first_i,
   input ti_pkg::tri_count_t  push_count_i,
-  input ti_pkg::fp_t         push_tbest_i,
+  input ti_pkg::fp_t         push_tnear_i,
+  input ti_pkg::fp_t         push_tfar_i,
 
   output logic          leaf_valid_o,
   input  logic          leaf_ready_i,
@@ -34,7 +35,8 @@ module ti_trv_leaves #(
     ti_pkg::trv_slot_t   slot;
     ti_pkg::list_index_t first;
     ti_pkg::tri_count_t  count;
-    ti_pkg::fp_t         tbest;
+    ti_pkg::fp_t         tnear;
+    ti_pkg::fp_t         tfar;
   } leaf_wait_t;
 
   logic waits, take, valid_q;
@@ -49,7 +51,13 @@ module ti_trv_leaves #(
     .rst_ni,
     .push_i,
     .push_data_i(
-    '{slot: push_slot_i, first: push_first_i, count: push_count_i, tbest: push_tbest_i}
+    '{
+        slot: push_slot_i,
+        first: push_first_i,
+        count: push_count_i,
+        tnear: push_tnear_i,
+        tfar: push_tfar_i
+    }
     ),
     .out_valid_o(waits),
     .out_ready_i(take),
@@ -82,7 +90,8 @@ module ti_trv_leaves #(
           first: leaf_q.first,
           count: leaf_q.count,
           operands: operands,
-          tbest: leaf_q.tbest
+          tnear: leaf_q.tnear,
+          tfar: leaf_q.tfar
       };
 
   `TI_ASSERT(OutHeldUntilTaken, leaf_valid_o && !leaf_ready_i |=> leaf_valid_o && $stable

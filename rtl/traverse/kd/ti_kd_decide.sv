@@ -8,9 +8,13 @@
 /// Leaf: on to the top of the short stack; else, if an entry was dropped, restart from the root at the
 /// leaf's exit; else the end.  An empty leaf also ends a ray whose best t does not exceed the exit;
 /// a leaf with triangles leaves that to `ti_trv_return`.  2 CMP.
+/// The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's interval, moved outward by `Guard` ulp, and
+/// not beyond the best t; without `IntervalCull` from 0 to the best t.
 module ti_kd_decide #(
   parameter int unsigned StackDepth = 4,
   parameter int unsigned WatchdogSteps = 65535,
+  parameter bit IntervalCull = 1'b1,
+  parameter int unsigned Guard = 4,
   localparam int unsigned LevelWidth = $clog2(StackDepth + 1)
 ) (
   input ti_pkg::node_index_t root_i,
@@ -34,6 +38,8 @@ module ti_kd_decide #(
   output logic go_o,  // visit `next_o`, at once or after the leaf's triangles
   output ti_pkg::node_index_t next_o,
   output logic leaf_o,  // test the triangles of this leaf
+  output ti_pkg::fp_t tnear_o,  // of these tests
+  output ti_pkg::fp_t tfar_o,
   output logic done_o,  // the ray is done, with `status_o`
   output ti_pkg::status_e status_o,
   output ti_pkg::fp_t tmin_o,
@@ -84,6 +90,20 @@ module ti_kd_decide #(
     .unordered_o()
   );
   assign best_ends = up_to_tmin;
+
+  // Outward in the order of bit patterns, down to 0, up to infinity at most.
+  localparam ti_pkg::fp_t GuardUlps = ti_pkg::fp_t'(Guard);
+  if (IntervalCull) begin : gen_interval_cull
+    assign tnear_o = (tmin_i > GuardUlps) ? tmin_i - GuardUlps : '0;
+    always_comb begin
+      tfar_o = tmax_i + GuardUlps;
+      if (tmax_i >= ti_num_pkg::Inf - GuardUlps) tfar_o = ti_num_pkg::Inf;
+      if (best_ends) tfar_o = tbest_i;
+    end
+  end else begin : gen_no_interval_cull
+    assign tnear_o = '0;
+    assign tfar_o  = tbest_i;
+  end
 
   always_comb begin
     go_o      = 1'b0;

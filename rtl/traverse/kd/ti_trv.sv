@@ -208,7 +208,7 @@ module ti_trv #(
   logic late_valid, go, leaf, done, push, pop, restart, dropped, dropped_next;
   slot_t late_slot;
   node_index_t end_index, far_node, top_node;
-  fp_t tmin, tmax, tmin_next, tmax_next, ray_tmax, top_tmax, tbest;
+  fp_t tmin, tmax, tmin_next, tmax_next, ray_tmax, top_tmax, tbest, tnear, tfar;
   ti_pkg::steps_t steps, steps_next;
   ti_pkg::status_e status;
   logic [LevelWidth-1:0] level, level_next;
@@ -254,7 +254,9 @@ module ti_trv #(
 
   ti_kd_decide #(
     .StackDepth   (StackDepth),
-    .WatchdogSteps(WatchdogSteps)
+    .WatchdogSteps(WatchdogSteps),
+    .IntervalCull (ti_config_pkg::IntervalCull),
+    .Guard        (ti_config_pkg::IntervalGuard)
   ) u_decide (
     .root_i,
     .index_i   (end_index),
@@ -275,6 +277,8 @@ module ti_trv #(
     .go_o      (go),
     .next_o    (next_node),
     .leaf_o    (leaf),
+    .tnear_o   (tnear),
+    .tfar_o    (tfar),
     .done_o    (done),
     .status_o  (status),
     .tmin_o    (tmin_next),
@@ -303,7 +307,8 @@ module ti_trv #(
     .push_slot_i     (end_slot),
     .push_first_i    (end_node.value),
     .push_count_i    (end_node.link[15:0]),
-    .push_tbest_i    (tbest),
+    .push_tnear_i    (tnear),
+    .push_tfar_i     (tfar),
     .leaf_valid_o,
     .leaf_ready_i,
     .leaf_data_o
