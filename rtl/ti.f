@@ -43,6 +43,7 @@ rtl/intersect/ti_ist1_pipe.sv
 rtl/intersect/ti_ist1_egress.sv
 rtl/intersect/ti_ist1.sv
 rtl/intersect/ti_ist2.sv
+rtl/intersect/ti_ist1_choice.sv
 rtl/intersect/ti_intersect.sv
 rtl/top/ti_core.sv
 rtl/top/ti_core_deal.sv

@@ -8,9 +8,8 @@
 /// stands behind the same ports.  For each leaf taken, return tokens whose counts add up to the leaf's come out,
 /// in any order.  Results never wait for leaves to be taken.
 ///
-/// LIST l serves the TRVs l, l + NumList, l + 2 NumList, ...  A test goes to the IST1 that a hash of the triangle
-/// names, so the private L1s hold different triangles; pairs stay together, as two plane parts share a line of
-/// 64 bytes.
+/// LIST l serves the TRVs l, l + NumList, l + 2 NumList, ...  `ti_ist1_choice` names the IST1 of a test, anew in
+/// each cycle in which the test waits.
 module ti_intersect #(
   localparam int unsigned NumTrv   = ti_config_pkg::NumTrv,
   localparam int unsigned NumList  = ti_config_pkg::NumList,
@@ -62,7 +61,7 @@ module ti_intersect #(
   ti_pkg::return_t list_return_data[NumList];
   ti_count_pkg::list_events_t list_events[NumList];
 
-  logic [NumIst1-1:0] ist1_test_valid, ist1_test_ready, ist1_idle;
+  logic [NumIst1-1:0] ist1_test_valid, ist1_test_ready, ist1_crowded, ist1_idle;
   ti_intersect_pkg::test_t ist1_test_data[NumIst1];
   logic [NumIst1-1:0] candidate_valid, candidate_ready, candidate_lost;
   ti_intersect_pkg::candidate_t candidate_data[NumIst1];
@@ -144,12 +143,14 @@ module ti_intersect #(
       end
     end
 
-    // The hash: bits 1 to 28 of the record folded onto ten.
-    logic [28:1] pair;
-    logic [ 9:0] folded;
-    assign pair = test_data[l].record[28:1];
-    assign folded = pair[10:1] ^ {pair[13:11], pair[20:14]} ^ {2'b00, pair[28:21]};
-    assign test_dest[l] = Ist1IndexWidth'(32'(folded) % NumIst1);
+    ti_ist1_choice #(
+      .NumIst1(NumIst1)
+    ) u_choice (
+      .record_i (test_data[l].record),
+      .home_i   (test_data[l].home),
+      .crowded_i(ist1_crowded),
+      .index_o  (test_dest[l])
+    );
   end
 
   ti_xbar #(
@@ -175,7 +176,8 @@ module ti_intersect #(
       .NumSlots  (ti_config_pkg::Ist1Slots),
       .Rows      (ti_config_pkg::Ist1Rows),
       .CacheBytes(ti_config_pkg::Ist1L1Bytes),
-      .Ways      (ti_config_pkg::Ist1L1Ways)
+      .Ways      (ti_config_pkg::Ist1L1Ways),
+      .Spill     (ti_config_pkg::Ist1Spill)
     ) u_ist1 (
       .clk_i,
       .rst_ni,
@@ -186,6 +188,7 @@ module ti_intersect #(
       .test_valid_i     (ist1_test_valid[i]),
       .test_ready_o     (ist1_test_ready[i]),
       .test_data_i      (ist1_test_data[i]),
+      .crowded_o        (ist1_crowded[i]),
       .candidate_valid_o(candidate_valid[i]),
       .candidate_ready_i(candidate_ready[i]),
       .candidate_data_o (candidate_data[i]),

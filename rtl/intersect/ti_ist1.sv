@@ -14,6 +14,8 @@ module ti_ist1 #(
   parameter int unsigned Rows = 2,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
+  /// Tests inside with which the unit is crowded; above NumSlots it never is.
+  parameter int unsigned Spill = 8,
   localparam int unsigned OperandLatency = 1,  // slot memories
   localparam int unsigned PipeLatency = 4 * ti_fp_pkg::AddLatency + 3 * ti_fp_pkg::MulLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
@@ -27,6 +29,7 @@ module ti_ist1 #(
 
   input  logic                    test_valid_i,
   output logic                    test_ready_o,
+  output logic                    crowded_o,     // `Spill` tests or more inside
   input  ti_intersect_pkg::test_t test_data_i,
 
   output logic                         candidate_valid_o,
@@ -349,6 +352,7 @@ module ti_ist1 #(
     if (!rst_ni) inside_q <= '0;
     else if (take != give) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
   end
+  assign crowded_o = 32'(inside_q) >= Spill;
   assign idle_o = inside_q == '0 && ra_idle && !candidate_valid_o && !return_valid_o;
 
   always_comb begin

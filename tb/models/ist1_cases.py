@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cases for the passes of IST1: a dict of what the pass reads, as bits.
 
-(a): plane, axis, o, d, tnear, tfar.  (b): bary, axis, d, after_a = (det, dett, audet, av), det finite and
-not 0, as pass (a) leaves it.
+(a): plane, axis, o, d, tnear, tfar.  (b): bary, axis, d, after_a = (det, dett, audet, av), det
+finite and not 0, as pass (a) leaves it.
 """
 
 from models.numbers import numbers

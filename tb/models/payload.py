@@ -19,7 +19,9 @@ TYPEDEF = re.compile(
     r"|(?P<base>[\w:]+)\s*(?P<range>\[.*?\])?)\s*(?P<name>\w+)\s*;",
     re.DOTALL,
 )
-CONSTANT = re.compile(r"localparam\s+(?:int unsigned|\w+)\s+(\w+)\s*=\s*(.*?);", re.DOTALL)
+CONSTANT = re.compile(
+    r"localparam\s+(?:int unsigned|\w+)\s+(\w+)(?:\[\w+\])?\s*=\s*(.*?);", re.DOTALL
+)
 FIELD = re.compile(r"^\s*([\w:]+)\s*(\[.*?\])?\s*(\w+)\s*$")
 
 
@@ -36,8 +38,11 @@ class Payloads:
         text = re.sub(r"//[^\n]*", "", text + counters.package(config))
         self._constants = {_camel(key): value for key, value in config.items()}
         for name, expression in CONSTANT.findall(text):
-            if re.fullmatch(r"[\w\s:$()>?*+-]+", expression):
+            if re.fullmatch(r"[\w\s:$()>?*+&\[\]-]+", expression):
                 self._constants[name] = self._evaluate(expression)
+            elif array := re.fullmatch(r"'\{([^{}]+)\}", expression):
+                parts = array[1].split(",")
+                self._constants[name] = [self._evaluate(part) for part in parts]
         self._types = {"logic": 1}
         for match in TYPEDEF.finditer(text):
             self._types[match["name"]] = self._type_of(match)
@@ -83,7 +88,7 @@ class Payloads:
         return count if base == 1 else (count, base)
 
     def _evaluate(self, expression):
-        text = re.sub(r"\w+::", "", expression).replace("$clog2", "clog2")
+        text = re.sub(r"\w+::", "", expression).replace("$clog2", "clog2").replace("&&", "and")
         text = _ternary(" ".join(text.split()))
         return eval(text, {"clog2": clog2}, self._constants)  # text of the package only
 
