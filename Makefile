@@ -67,7 +67,7 @@ ti := build/sw/ti
 library = $(if $(filter rtl,$(1)),engine)
 rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)
 knot := build/scenes/knot.ply
-needs = check-engine config $(ti) $(call library,$(ENGINE)) $(filter $(knot),$(SCENE:knot=$(knot)))
+needs = check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(filter $(knot),$(SCENE:knot=$(knot)))
 scene = "$$(scripts/scene.sh file $(call q,SCENE))"
 # What a run is called: cornell-small, cornell-small-num_trv-2-model.
 scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
@@ -75,11 +75,11 @@ run_name = $(scene_name)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 common_args = --config $(config)/config.json --engine $(ENGINE) --scene $(scene) \
   $(call rtl,$(ENGINE)) $(call opt,--waves,RAY_WAVES) $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
   $(memory)
-# The memory behind the ports: MEM=latency,bytes is short for the two others.
-memory = $(call opt,--mem-latency,$(if $(value MEM),mem_latency,MEM_LATENCY)) \
-  $(call opt,--mem-bytes-per-cycle,$(if $(value MEM),mem_bytes,MEM_BANDWIDTH))
-mem_latency := $(word 1,$(subst $(comma), ,$(value MEM)))
-mem_bytes := $(word 2,$(subst $(comma), ,$(value MEM)))
+# The memory behind the ports: its kind, or latency,bytes of a fixed one, which also have variables of their own.
+mem_pair := $(findstring $(comma),$(value MEM))
+mem_latency := $(if $(mem_pair),$(word 1,$(subst $(comma), ,$(value MEM))),$(value MEM_LATENCY))
+mem_bytes := $(if $(mem_pair),$(word 2,$(subst $(comma), ,$(value MEM))),$(value MEM_BANDWIDTH))
+memory = $(if $(mem_pair),,$(call opt,--mem,MEM)) $(call opt,--mem-latency,mem_latency) $(call opt,--mem-bytes-per-cycle,mem_bytes)
 # What is measured unless SCENES= says it: the papers' scenes, or ours where those are not.
 papers_scenes := $(foreach s,conference sibenik crytek_sponza,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s)))
 bench_scenes = $(or $(value SCENES),$(papers_scenes),cornell knot)
@@ -89,15 +89,15 @@ case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
 ##@ Trace
-render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= CORES= ENGINE= MEM=latency,bytes OUT= DUMP=1)
+render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS= CONFIG= CORES= ENGINE= MEM=ideal|fixed|dram OUT= DUMP=1)
 	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name))
 
-trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= OUT=)
+trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= MEM= OUT=)
 	@$(ti) trace --rays $(call q,RAYS) $(common_args) \
 	  --out $(call out,build/trace/$(run_name)-"$$(scripts/scene.sh rays $(call q,RAYS))")
 
-bench: engine sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=latency,bytes N= SIZE= OUT=)
+bench: check-mem engine sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=ideal|fixed|dram N= SIZE= OUT=)
 	@python scripts/bench.py --config $(config)/config.json --library $(engine)/libti_rtl.so $(memory) \
 	  --scene $(foreach s,$(bench_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')") \
 	  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--count,N) \
@@ -117,7 +117,8 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 testfloat: fp = $(subst $(comma),-,$(FORMAT))
 
 ##@ Build
-engine: config build/sw/libti_sw.a ## The RTL of CONFIG= as a library that ti and Python load (SET=)
+engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)
+	@[[ ! -d build/dram/dramsim3 ]] || scripts/build_dram.sh $(MAKE) libti_dram.a
 	@scripts/build_engine.sh $(engine) $(MAKE) what=$(notdir $(config)) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
 
 config: build/setup.stamp ## Files of CONFIG= for RTL, C++ and programs, checked (SET=), in build/config
@@ -164,11 +165,14 @@ tree-table: build/sw/ti config ## Tree statistics of the papers' scenes beside t
 	@python scripts/tree_table.py build/sw/ti $(config)/config.json $(if $(value SCENES),$(call q,SCENES),../shared/scenes)
 
 ##@ House
+dram: build/setup.stamp
+	@scripts/setup.sh --dram
+
 setup: ## Install what is missing (apt, Python in build/venv)
 	@scripts/setup.sh
 
 clean: ## Remove what builds and runs wrote; the set-up stays (ALL=1: that too)
-	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp -exec rm -rf {} +)
+	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp ! -name dram -exec rm -rf {} +)
 
 help: ## Show this list
 	@awk 'BEGIN {FS = ":.*## "} /^##@ / {printf "\n%s\n", substr($$0, 5)} \
@@ -181,6 +185,10 @@ need-%:
 check-engine:
 	@[[ " rtl model embree " == *" "$(call q,ENGINE)" "* ]] || \
 	  { echo ENGINE=$(call q,ENGINE)": no such engine; there are rtl, model and embree" >&2; exit 2; }
+
+check-mem:
+	@[[ $(call q,MEM) =~ ^(|ideal|fixed|dram|[^,]+,[^,]+)$$ ]] || \
+	  { echo MEM=$(call q,MEM)": no such memory; there are ideal, fixed and dram, and latency,bytes of a fixed one, as in 100,64" >&2; exit 2; }
 
 check-unit: need-UNIT
 	@[[ -f tb/unit/test_$(call q,UNIT).py ]] || { echo UNIT=$(call q,UNIT)": there is no tb/unit/test_"$(call q,UNIT)".py; there are" \
@@ -219,4 +227,4 @@ $(knot): scripts/make_scenes.py | build/setup.stamp
 
 FORCE:
 .PHONY: FORCE render trace bench image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
-  format fp-volume tree-table setup clean help check-engine check-unit check-format model sanitized
+  format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -37,6 +37,7 @@ sys.path.insert(0, str(ROOT / "build/sw/python"))
 
 SCHEMA = "ti-bench-1"
 KINDS = ("primary", "ao", "diffuse")
+MEMORIES = ("ideal", "fixed", "dram")
 TILE = 64  # rays of a tile of primary rays: 8x8 pixels, as rays come in Morton order
 SAMPLES = 32  # secondary rays from a hit
 AO_RADIUS = 0.05  # of the scene's diagonal
@@ -66,13 +67,16 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
     parser.add_argument("--frame", default="1024x768", help="WIDTHxHEIGHT")
     parser.add_argument("--samples", type=int, default=SAMPLES, help="secondary rays from a hit")
     parser.add_argument("--sample-primary", action="store_true", help="sample primary rays too")
-    parser.add_argument("--mem-latency", type=int, default=100, help="cycles")
+    parser.add_argument("--mem", default="fixed", help=", ".join(MEMORIES))
+    parser.add_argument("--mem-latency", type=int, default=100, help="of a fixed one: cycles")
     parser.add_argument("--mem-bytes-per-cycle", type=float, default=64.0, help="bytes a cycle")
     parser.add_argument("--out", type=Path, required=True, help="folder of bench.json")
     arguments = parser.parse_args(words)
     for kind in arguments.rays:
         if kind not in KINDS:
             raise BenchError(f"RAYS={kind}: no such kind of rays; there are {', '.join(KINDS)}")
+    if arguments.mem not in MEMORIES:
+        raise BenchError(f"MEM={arguments.mem}: no such memory; there are {', '.join(MEMORIES)}")
     for scene in arguments.scene:
         if not scene.is_file():
             raise BenchError(f"SCENES={scene}: there is no such file or scene of the project")
@@ -148,6 +152,7 @@ def measure(ti, path: Path, kind: str, arguments: argparse.Namespace) -> dict:
         arguments.config,
         "rtl",
         library=arguments.library,
+        memory=arguments.mem,
         memory_latency=arguments.mem_latency,
         memory_bytes_per_cycle=arguments.mem_bytes_per_cycle,
     )
@@ -191,7 +196,7 @@ def heading(arguments: argparse.Namespace, commit: str) -> dict:
         "count": arguments.count,
         "samples": arguments.samples,
         "sample_primary": arguments.sample_primary,
-        "memory": [arguments.mem_latency, arguments.mem_bytes_per_cycle],
+        "memory": [arguments.mem, arguments.mem_latency, arguments.mem_bytes_per_cycle],
         "scenes": [scene.name for scene in arguments.scene],
         "scene_sha256": [sha256(scene) for scene in arguments.scene],
         "rays": arguments.rays,

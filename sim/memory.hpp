@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "engine/counts.hpp"
+
 namespace ti::sim {
 
 /// The memory behind the read ports of an engine: it holds an image at `kBase` and answers whole
@@ -34,6 +36,9 @@ class Memory {
   virtual void request(int port, std::uint32_t id, std::uint64_t address) = 0;
   /// An answer for a port, if one is due.
   [[nodiscard]] virtual std::optional<Answer> answer(int port) = 0;
+
+  /// What the DRAM did, when it is one.
+  [[nodiscard]] virtual std::optional<DramCounts> dram() const { return std::nullopt; }
 
   /// A cycle of the engine's clock has passed.
   void tick() {

@@ -15,14 +15,14 @@
 #include "bits.hpp"
 #include "counters.hpp"
 #include "engine/engine.hpp"
-#include "fixed_memory.hpp"
+#include "make_memory.hpp"
+#include "memory.hpp"
 #include "ti_config.hpp"
 #include "verilated.h"
 
 namespace ti {
 namespace {
 
-using sim::FixedMemory;
 using sim::Memory;
 using sim::Packer;
 using sim::Unpacker;
@@ -119,13 +119,7 @@ class RtlEngine final : public Engine {
     context_->randReset(options_.stall_seed != 0 ? 2 : 0);
     context_->randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
     top_ = std::make_unique<Vti_engine>(context_.get());
-    memory_ = std::make_unique<FixedMemory>(
-        image_.bytes(), FixedMemory::Settings{.ports = config::kCores,
-                                              .latency = options_.memory_latency,
-                                              .bytes_per_cycle = options_.memory_bytes_per_cycle,
-                                              .line_bytes = config::kLineBytes,
-                                              .error_every = options_.error_every,
-                                              .shuffle_seed = options_.stall_seed});
+    memory_ = sim::make_memory(image_, options_);
     reset(*top_);
     set_scene(*top_);
     ray_up_ = false;
@@ -174,6 +168,7 @@ class RtlEngine final : public Engine {
   void give_up() {
     before_ = snapshot();
     bytes_before_ += memory_->bytes();
+    dram_before_ = dram();
     counts_.lost += missing_ + queue_.size();
     first_ += came_.size() + queue_.size();
     came_.clear();
@@ -323,13 +318,19 @@ class RtlEngine final : public Engine {
     return counters;
   }
 
+  [[nodiscard]] std::optional<DramCounts> dram() const {
+    std::optional<DramCounts> counts = memory_->dram();
+    if (counts && dram_before_) *counts += *dram_before_;
+    return counts;
+  }
+
   const Image& image_;
   RtlOptions options_;
   std::uint64_t patience_;
   std::mt19937_64 random_;
   std::unique_ptr<VerilatedContext> context_;
   std::unique_ptr<Vti_engine> top_;
-  std::unique_ptr<FixedMemory> memory_;
+  std::unique_ptr<Memory> memory_;
 
   std::deque<Ray> queue_;  // the first one is on the port when `ray_up_`
   bool ray_up_ = false;
@@ -341,6 +342,7 @@ class RtlEngine final : public Engine {
   Counts counts_;                        // but for `work` and `machine`
   std::optional<sim::Counters> before_;  // of machines that were given up
   std::uint64_t bytes_before_ = 0;
+  std::optional<DramCounts> dram_before_;
 };
 
 /// Reads all counters: not while rays are inside, as the machine runs on meanwhile.
@@ -359,6 +361,7 @@ Counts RtlEngine::counts() {
   MachineCounts& machine = counts.machine.emplace();
   machine.cycles = cycle_;
   machine.memory_bytes = bytes_before_ + memory_->bytes();
+  machine.dram = dram();
   for (const char* unit : {"trv", "list", "ist1"}) {
     machine.caches.push_back({fmt::format("{}_l1", unit), counters.sum(unit, "l1_accesses"),
                               counters.sum(unit, "l1_hits"), counters.sum(unit, "l1_merged"),

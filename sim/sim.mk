@@ -16,6 +16,9 @@ what ?= $(notdir $(engine))
 cxx := $(shell sed -n 1p build/setup.stamp)
 rtl_sources := $(wildcard rtl/*.sv rtl/*/*.sv rtl/*/*.svh rtl/*/*/*.sv) rtl/ti.f lint/verilator.vlt $(wildcard sim/sim.vlt sim/*.sv)
 harness := $(patsubst sim/%.cpp,$(engine)/obj/%.o,$(wildcard sim/*.cpp))
+# The DRAM where it was built (sim/dram/dram.mk), else what says that it is not there.
+dram_library := build/dram/libti_dram.a
+dram := $(or $(wildcard $(dram_library)),$(engine)/obj/no_dram.o)
 
 # Without -fno-dfg and -fno-table the instances of a unit would not share their code (sim.vlt).
 VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 -fno-dfg -fno-table \
@@ -29,10 +32,14 @@ LINK_FLAGS := -shared -Wl,-Bsymbolic -Wl,--exclude-libs,ALL
 LIBRARIES := -lfmt -pthread -latomic
 
 # The library that `ti` and the Python module load; it shows one symbol.
-$(library): $(harness) $(verilated)/stamp build/sw/libti_sw.a
-	@scripts/logged.sh $(engine)/link.log "build: $@" $(cxx) $(LINK_FLAGS) -o $@.part $(harness) \
+$(library): $(harness) $(dram) $(engine)/dram $(verilated)/stamp build/sw/libti_sw.a
+	@scripts/logged.sh $(engine)/link.log "build: $@" $(cxx) $(LINK_FLAGS) -o $@.part $(harness) $(dram) \
 	  $(verilated)/libVti_engine.a $(verilated)/libverilated.a build/sw/libti_sw.a $(LIBRARIES)
 	@mv $@.part $@
+
+# A library with a DRAM and one without are linked anew from what there is.
+$(engine)/dram: FORCE
+	@[[ -f $@ && $(dram) == "$$(<$@)" ]] || printf '%s\n' $(dram) >$@
 
 # With other flags or another compiler nothing that is there is of use.  Verilator would leave its
 # files, and so their objects, alone as long as their text is the same.
@@ -50,6 +57,8 @@ $(verilated)/stamp: $(rtl_sources) $(config)/ti_config_pkg.sv $(config)/ti_confi
 
 $(engine)/obj/%.o: sim/%.cpp $(verilated)/stamp $(config)/ti_config.hpp $(config)/ti_counters.hpp
 	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) $(verilator_includes) -c $< -o $@
+$(engine)/obj/no_dram.o: sim/dram/no_dram.cpp $(verilated)/stamp
+	@scripts/logged.sh $@.log "build: $<" ccache $(cxx) $(HARNESS_FLAGS) -c $< -o $@
 -include $(wildcard $(engine)/obj/*.d)
 
 FORCE:

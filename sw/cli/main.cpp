@@ -39,12 +39,18 @@ void add_engine(CLI::App& command, Arguments& arguments) {
       command, "--engine", arguments.run.engine,
       {{"rtl", EngineKind::Rtl}, {"model", EngineKind::Model}, {"embree", EngineKind::Embree}});
   ti::RtlOptions& rtl = arguments.run.rtl;
-  command
-      .add_option("--mem-latency", rtl.memory_latency, "cycles from a line request to its answer")
+  command.add_option_function<std::string>(
+      "--mem", [&rtl](const std::string& name) { rtl.memory = ti::memory_kind(name); },
+      "ideal, fixed, dram");
+  command.add_option("--mem-latency", rtl.memory_latency, "of a fixed one: cycles to the answer")
       ->check(CLI::Range(1, 1000000));
-  command
-      .add_option("--mem-bytes-per-cycle", rtl.memory_bytes_per_cycle, "bandwidth of the memory")
+  command.add_option("--mem-bytes-per-cycle", rtl.memory_bytes_per_cycle, "its bandwidth")
       ->check(CLI::Range(0.001, 1e6));
+  command.callback([&command, &rtl] {
+    if (rtl.memory != ti::MemoryKind::Fixed &&
+        command.count("--mem-latency") + command.count("--mem-bytes-per-cycle") != 0)
+      throw Error("--mem-latency and --mem-bytes-per-cycle are of --mem fixed alone");
+  });
   command.add_option("--stall-seed", rtl.stall_seed,
                      "not 0: random stalls on every port of the engine");
   command.add_option("--stall-share", rtl.stall_share, "share of the cycles with a stall")

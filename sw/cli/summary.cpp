@@ -41,6 +41,19 @@ void print_work(const Counts& counts) {
       percent(work.c_tests, work.a_tests));
 }
 
+void print_dram(const MachineCounts& machine, int mhz) {
+  if (!machine.dram) return;
+  const DramCounts& dram = *machine.dram;
+  fmt::print(
+      "dram: {:.1f} MB, {:.1f} % of 128 GB/s, {:.1f} % row hits, {:.1f} requests in a channel, "
+      "{:.0f} "
+      "cycles a read, {} refreshes\n",
+      static_cast<double>(dram.bytes) * 1e-6,
+      percent(dram.bytes, DramCounts::kBytesPerCycle * dram.cycles),
+      percent(dram.row_hits, dram.reads), ratio(dram.queued, DramCounts::kChannels * dram.cycles),
+      ratio(dram.waited, dram.answers) * mhz / DramCounts::kMhz, dram.refreshes);
+}
+
 void print_machine(const Counts& counts, int mhz) {
   const MachineCounts& machine = *counts.machine;
   const Work& work = counts.work;
@@ -60,6 +73,7 @@ void print_machine(const Counts& counts, int mhz) {
                cache.name, cache.accesses, percent(cache.hits, cache.accesses),
                percent(cache.merged, cache.accesses));
   }
+  print_dram(machine, mhz);
   print_units(machine);
 }
 

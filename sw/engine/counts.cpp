@@ -8,9 +8,22 @@ namespace {
 
 /// `a` op= `b` for every count of two values of one engine.
 template <typename Op>
+void combine(DramCounts& a, const DramCounts& b, Op op) {
+  op(a.cycles, b.cycles);
+  op(a.reads, b.reads);
+  op(a.row_hits, b.row_hits);
+  op(a.bytes, b.bytes);
+  op(a.refreshes, b.refreshes);
+  op(a.answers, b.answers);
+  op(a.waited, b.waited);
+  op(a.queued, b.queued);
+}
+
+template <typename Op>
 void combine(MachineCounts& a, const MachineCounts& b, Op op) {
   op(a.cycles, b.cycles);
   op(a.memory_bytes, b.memory_bytes);
+  if (a.dram && b.dram) combine(*a.dram, *b.dram, op);
   for (std::size_t i = 0; i < a.caches.size(); ++i) {
     op(a.caches[i].accesses, b.caches.at(i).accesses);
     op(a.caches[i].hits, b.caches[i].hits);
@@ -58,6 +71,11 @@ Counts& Counts::operator+=(const Counts& other) {
 
 Counts& Counts::operator-=(const Counts& other) {
   combine(*this, other, [](auto& a, const auto& b) { a -= b; });
+  return *this;
+}
+
+DramCounts& DramCounts::operator+=(const DramCounts& other) {
+  combine(*this, other, [](auto& a, const auto& b) { a += b; });
   return *this;
 }
 

@@ -25,10 +25,29 @@ struct UnitCounts {
   std::vector<std::pair<std::string, std::uint64_t>> activities;
 };
 
+/// What a DRAM did (sim/dram/gddr3.ini), all channels together.
+struct DramCounts {
+  static constexpr int kMhz = 1000;  ///< its clock
+  static constexpr int kChannels = 8;
+  static constexpr int kBytesPerCycle = 128;  ///< at most
+
+  std::uint64_t cycles = 0;    ///< of its clock
+  std::uint64_t reads = 0;     ///< of a line from a row
+  std::uint64_t row_hits = 0;  ///< those that found their row open and read before
+  std::uint64_t bytes = 0;     ///< of the reads
+  std::uint64_t refreshes = 0;
+  std::uint64_t answers = 0;  ///< more than reads when requests for one line wait together
+  std::uint64_t waited = 0;   ///< cycles from request to answer, sum over answers
+  std::uint64_t queued = 0;   ///< requests in the channels, sum over cycles
+
+  DramCounts& operator+=(const DramCounts& other);
+};
+
 /// What only a machine has.
 struct MachineCounts {
   std::uint64_t cycles = 0;
   std::uint64_t memory_bytes = 0;
+  std::optional<DramCounts> dram;  ///< when there is one
   std::vector<CacheCounts> caches;
   std::vector<UnitCounts> units;  ///< in the order of the pipeline
 

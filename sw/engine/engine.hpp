@@ -53,10 +53,19 @@ class Engine {
   [[nodiscard]] virtual Counts counts() = 0;
 };
 
+/// Memories behind the machine: answers after one cycle; a latency and a bandwidth; DRAM.
+enum class MemoryKind { Ideal, Fixed, Dram };
+/// `ideal`, `fixed`, `dram`.
+[[nodiscard]] const char* name_of(MemoryKind kind);
+/// The kind of that name; throws `Error` for another.
+[[nodiscard]] MemoryKind memory_kind(const std::string& name);
+
 /// Settings of the simulated machine's surroundings.
 struct RtlOptions {
-  int memory_latency = 100;              ///< cycles from a request to its answer
+  MemoryKind memory = MemoryKind::Fixed;
+  int memory_latency = 100;              ///< of a fixed one: cycles from a request to its answer
   double memory_bytes_per_cycle = 64.0;  ///< of all cores together
+  double clock_mhz = 500.0;              ///< beside a DRAM's; `load_rtl_engine` sets it
   std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port, random initial state
   double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
   std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
@@ -82,7 +91,7 @@ class Truth;
 
 /// What a library of `load_rtl_engine` offers, under the name `ti_rtl_plugin`.
 struct RtlPlugin {
-  static constexpr int kInterface = 1;  ///< raised whenever this struct or `Engine` changes
+  static constexpr int kInterface = 2;  ///< raised whenever this struct or `Engine` changes
   int interface = kInterface;
   const char* config = "";  ///< the keys that it was built for, as JSON
   Engine* (*make)(const Image& image, const RtlOptions& options) = nullptr;

@@ -16,6 +16,25 @@ constexpr const char* kCure = "build it by `make engine CONFIG=...`";
 
 }  // namespace
 
+const char* name_of(MemoryKind kind) {
+  switch (kind) {
+    case MemoryKind::Ideal:
+      return "ideal";
+    case MemoryKind::Fixed:
+      return "fixed";
+    case MemoryKind::Dram:
+      return "dram";
+  }
+  return "";
+}
+
+MemoryKind memory_kind(const std::string& name) {
+  for (const MemoryKind kind : {MemoryKind::Ideal, MemoryKind::Fixed, MemoryKind::Dram}) {
+    if (name == name_of(kind)) return kind;
+  }
+  throw Error(fmt::format("MEM={}: no such memory; there are ideal, fixed, dram", name));
+}
+
 std::unique_ptr<Engine> load_rtl_engine(const std::filesystem::path& path, const Image& image,
                                         const Config& config, const RtlOptions& options) {
   const std::string file = path.string();
@@ -44,7 +63,9 @@ std::unique_ptr<Engine> load_rtl_engine(const std::filesystem::path& path, const
         image.format().exp_bits, image.format().frac_bits, config.format.exp_bits,
         config.format.frac_bits));
   }
-  return std::unique_ptr<Engine>(plugin->make(image, options));
+  RtlOptions complete = options;
+  complete.clock_mhz = config.clock_mhz;
+  return std::unique_ptr<Engine>(plugin->make(image, complete));
 }
 
 }  // namespace ti

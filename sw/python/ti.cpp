@@ -257,8 +257,8 @@ void bind_engine(nb::module_& module) {
           "__init__",
           [](PyEngine* self, const PyScene& scene, const std::filesystem::path& config,
              const std::string& engine, const std::filesystem::path& library, bool lock_step,
-             bool truth, bool tests, int memory_latency, double memory_bytes_per_cycle,
-             std::uint64_t stall_seed) {
+             bool truth, bool tests, const std::string& memory, int memory_latency,
+             double memory_bytes_per_cycle, std::uint64_t stall_seed) {
             RunOptions options;
             options.config = load_config(config);
             options.engine = kind_of(engine);
@@ -266,18 +266,21 @@ void bind_engine(nb::module_& module) {
             options.lock_step = lock_step;
             options.truth = truth;
             options.tests = tests;
+            options.rtl.memory = memory_kind(memory);
             options.rtl.memory_latency = memory_latency;
             options.rtl.memory_bytes_per_cycle = memory_bytes_per_cycle;
             options.rtl.stall_seed = stall_seed;
             new (self) PyEngine(scene, options);
           },
           "scene"_a, "config"_a, "engine"_a = "model", nb::kw_only(), "library"_a = "",
-          "lock_step"_a = true, "truth"_a = false, "tests"_a = false, "memory_latency"_a = 100,
-          "memory_bytes_per_cycle"_a = 64.0, "stall_seed"_a = 0,
+          "lock_step"_a = true, "truth"_a = false, "tests"_a = false, "memory"_a = "fixed",
+          "memory_latency"_a = 100, "memory_bytes_per_cycle"_a = 64.0, "stall_seed"_a = 0,
           "config: a config.json.  library: the libti_rtl.so of `make engine`, for "
           "engine=\"rtl\".\n"
           "lock_step compares the RTL with the model, truth all hits with Embree; tests counts\n"
-          "the triangle tests of each ray.")
+          "the triangle tests of each ray.  memory: \"ideal\", \"fixed\" with its latency in "
+          "cycles\n"
+          "and bandwidth, or \"dram\".")
       .def_prop_ro("format", &PyEngine::format,
                    "(E, M): exponent and fraction bits of its numbers.")
       .def("trace", &PyEngine::trace, "rays"_a, "any_hit"_a = false,

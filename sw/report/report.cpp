@@ -117,6 +117,31 @@ double busy(const MachineCounts& machine, const char* name, std::uint64_t operat
   return unit == nullptr ? 0.0 : ratio(operations, machine.cycles * unit->units);
 }
 
+/// What the DRAM did; null without one.
+ordered_json dram_json(const Counts& counts, int clock_mhz) {
+  if (!counts.machine || !counts.machine->dram) return nullptr;
+  const DramCounts& dram = *counts.machine->dram;
+  return {{"mhz", DramCounts::kMhz},
+          {"cycles", dram.cycles},
+          {"reads", dram.reads},
+          {"row_hits", dram.row_hits},
+          {"row_hit_share", ratio(dram.row_hits, dram.reads)},
+          {"bytes", dram.bytes},
+          {"bandwidth_share", ratio(dram.bytes, DramCounts::kBytesPerCycle * dram.cycles)},
+          {"queue", ratio(dram.queued, DramCounts::kChannels * dram.cycles)},
+          {"latency", ratio(dram.waited, dram.answers) * clock_mhz / DramCounts::kMhz},
+          {"refreshes", dram.refreshes}};
+}
+
+ordered_json memory_json(const RunOptions& options, const Counts& counts) {
+  const RtlOptions& rtl = options.rtl;
+  const bool fixed = rtl.memory == MemoryKind::Fixed;
+  return {{"kind", name_of(rtl.memory)},
+          {"latency", if_known(fixed, rtl.memory_latency)},
+          {"bytes_per_cycle", if_known(fixed, rtl.memory_bytes_per_cycle)},
+          {"dram", dram_json(counts, options.config.clock_mhz)}};
+}
+
 ordered_json machine_json(const Session& session, const Counts& counts) {
   ordered_json json;
   const Work& work = counts.work;
@@ -153,7 +178,7 @@ ordered_json machine_json(const Session& session, const Counts& counts) {
   return json;
 }
 
-ordered_json waves_json(const Report& report) {
+ordered_json waves_json(const Report& report, int clock_mhz) {
   ordered_json json = ordered_json::array();
   for (const Counts& wave : report.waves) {
     const bool rtl = wave.machine.has_value();
@@ -161,6 +186,7 @@ ordered_json waves_json(const Report& report) {
     json.push_back({{"rays", wave.rays},
                     {"cycles", if_known(rtl, machine.cycles)},
                     {"dram_bytes", if_known(rtl, machine.memory_bytes)},
+                    {"dram", dram_json(wave, clock_mhz)},
                     {"cache", caches_json(machine)}});
   }
   return json;
@@ -203,8 +229,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["config"] = options.config.name;
   json["keys"] = ordered_json::parse(options.config.json);
   json["switches"] = switches_json(options);
-  json["memory"] = {{"latency", options.rtl.memory_latency},
-                    {"bytes_per_cycle", options.rtl.memory_bytes_per_cycle}};
+  json["memory"] = memory_json(options, counts);
   json["scene"] = session.scene().name;
   json["engine"] = name_of(options.engine);
   json["format"] = {options.config.format.exp_bits, options.config.format.frac_bits};
@@ -219,7 +244,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["spread"] = {{"steps", options.engine == EngineKind::Embree ? ordered_json(nullptr)
                                                                    : spread_json(std::move(steps))},
                     {"tests", spread_json(total.tests)}};
-  json["waves"] = waves_json(report);
+  json["waves"] = waves_json(report, options.config.clock_mhz);
   json["check"] = check_json(total);
   const double cycles = counts.machine ? static_cast<double>(counts.machine->cycles) : 0.0;
   const double seconds = counts.seconds;

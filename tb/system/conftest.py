@@ -40,6 +40,16 @@ def small():
     return Program("small")
 
 
+@pytest.fixture(scope="session")
+def dram(tiny):
+    """The same with a DRAM for `--mem dram`; skips where cargo is missing or finds no network."""
+    run = make("dram")
+    if run.status == 2 and "MEM=fixed" in run.stderr:
+        pytest.skip(run.stderr.splitlines()[0])
+    built("engine", CONFIG="tiny", MEM="dram")
+    return tiny
+
+
 @pytest.fixture(params=["tiny", "small"])
 def engine(request):
     """`ti` with RTL, one configuration after the other."""

@@ -76,7 +76,8 @@ def test_make_bench_takes_its_words(out):
 
     (cell,) = cells_of(out)
     assert (cell["cores"], cell["ray_type"], cell["rays"] >= 1000) == (2, "ao", True)
-    assert cell["mem"] == {"latency": 50, "bytes_per_cycle": 32}
+    fixed = {"kind": "fixed", "latency": 50, "bytes_per_cycle": 32, "dram": None}
+    assert cell["mem"] == fixed
     assert all(abs(sum(unit.values()) - 1) < 1e-9 for unit in cell["stalls"].values())
 
 

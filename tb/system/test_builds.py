@@ -10,7 +10,7 @@ from pathlib import Path
 
 import configure
 import pytest
-from agents.program import PATIENCE, ROOT, make
+from agents.program import PATIENCE, ROOT, SCENES, make
 
 PARTS = ["configs", "lint", "rtl", "scripts", "sim", "sw"]
 # Neither the set-up nor the C++ programs are built again in a copy.
@@ -112,6 +112,24 @@ def test_what_a_killed_build_left_is_not_used(copy):
     assert COMPILES in output and LINKS in output
     assert library.stat().st_size > 1000
     assert not (copy.engine / "unfinished").exists()
+
+
+def test_a_library_takes_up_the_dram_when_it_is_there_and_leaves_it_when_not(dram, copy, tmp_path):
+    words = ["--mem", "dram", "--rtl", copy.engine / "libti_rtl.so"]
+
+    def trace(name):
+        return dram.trace(tmp_path / name, SCENES / "cornell.gltf", "random:100", *words)
+
+    copy.make()
+    trace("without").refused("without DRAMsim3", "MEM=fixed")
+    (copy.folder / "build/dram").symlink_to(ROOT / "build/dram")
+    output = copy.make()
+    assert LINKS in output and COMPILES not in output
+    assert trace("with").good().report["memory"]["dram"]["reads"] > 0
+    assert LINKS not in copy.make()
+    (copy.folder / "build/dram").unlink()
+    assert LINKS in copy.make()
+    trace("again-without").refused("without DRAMsim3", "MEM=fixed")
 
 
 # --- Locks, with programs that stand for the slow ones -------------------------------------------
