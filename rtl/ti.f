@@ -28,6 +28,7 @@ rtl/mem/ti_l2.sv
 rtl/mem/ti_lines.sv
 rtl/mem/ti_axi_read.sv
 rtl/mem/ti_memory.sv
+rtl/traverse/common/ti_rd_axis.sv
 rtl/traverse/common/ti_rd_clip.sv
 rtl/traverse/common/ti_rd.sv
 rtl/traverse/common/ti_trv_visits.sv

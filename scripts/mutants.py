@@ -44,7 +44,7 @@ SHARED = ("build/setup.stamp", "build/sw/libti_sw.a")
 
 CORNELL, KNOT = "scenes/cornell.gltf", "build/scenes/knot.ply"
 # Several units of each kind, unlike in number, so that a wire to the wrong one shows.
-SEVERAL = "cores=2 core_tile=4 num_trv=3 num_list=2 num_ist1=3 deal_tile=4"
+SEVERAL = "cores=2 core_tile=4 num_trv=3 num_list=2 num_ist1=3 deal_tile=4 rd_cycles=1"
 # Runs of `ti trace` on the engine: overrides of `tiny`, scene, further options.
 LOCK_STEP = {
     "lock-step cornell": ("", CORNELL, []),

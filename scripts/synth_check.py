@@ -41,7 +41,8 @@ STEPS = {"StackDepth": "stack_depth", "WatchdogSteps": "watchdog_steps"}
 # What `ti_engine` sets on its units; other modules are read with their defaults.
 PARAMETERS = {
     **dict.fromkeys(OPERATORS, FORMAT),
-    "ti_rd": {"NumTrv": "num_trv", "DealTile": "deal_tile"},
+    "ti_rd": {"NumTrv": "num_trv", "DealTile": "deal_tile", "RayCycles": "rd_cycles"},
+    "ti_rd_clip": {"RayCycles": "rd_cycles"},
     "ti_trv": {**cached("trv"), **STEPS},
     "ti_kd_decide": STEPS,
     "ti_trv_return": {"NumSlots": "trv_slots"},

@@ -61,8 +61,9 @@ module ti_traverse #(
   ti_count_pkg::trv_events_t trv_events[NumTrv];
 
   ti_rd #(
-    .NumTrv  (NumTrv),
-    .DealTile(ti_config_pkg::DealTile)
+    .NumTrv   (NumTrv),
+    .DealTile (ti_config_pkg::DealTile),
+    .RayCycles(ti_config_pkg::RdCycles)
   ) u_rd (
     .clk_i,
     .rst_ni,

@@ -264,6 +264,8 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("fp_rcp_end_stages=5", "2 to 4"),
         ("num_trv=0", "1 to 256"),
         ("num_list=2", "at most num_trv, 1"),
+        ("rd_cycles=0", "1 to 3"),
+        ("rd_cycles=4", "1 to 3"),
         ("trv_slots=24", "power of two from 2 to 256"),
         ("ist1_slots=1", "power of two from 2 to 256"),
         ("stack_depth=0", "1 to 64"),

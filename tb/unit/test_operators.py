@@ -43,6 +43,25 @@ def test_engine_is_within_the_published_budget(tmp_path, config):
     assert numbers["kinds"]["IST2"]["operators"] == {"ADD": 0, "MUL": 3, "RCP": 1, "CMP": 0}
 
 
+@pytest.mark.parametrize("ray_cycles", [1, 2, 3])
+def test_rd_has_a_lane_for_each_axis_that_another_cannot_take(tmp_path, ray_cycles):
+    done, numbers = count(tmp_path, f"tiny rd_cycles={ray_cycles}")
+    lanes = 4 - ray_cycles
+    lane = {"ADD": 2 * lanes, "MUL": 2 * lanes, "RCP": lanes, "CMP": 2 * lanes + 2}
+    assert done.returncode == 0, done.stderr
+    assert numbers["kinds"]["RD"]["operators"] == lane
+    assert numbers["kinds"]["RD"]["published"] == {"ADD": 6, "MUL": 9, "RCP": 1, "CMP": 12}
+
+
+@pytest.mark.parametrize("ray_cycles", [1, 3])
+def test_a_reciprocal_more_than_lanes_fails(tmp_path, ray_cycles):
+    end = "endmodule : ti_rd_clip"
+    rtl = edited(tmp_path, "traverse/common/ti_rd_clip.sv", end, EXTRA_RCP + end)
+    done, _ = count(tmp_path, f"tiny rd_cycles={ray_cycles}", rtl)
+    assert done.returncode == 1
+    assert f"{5 - ray_cycles} RCP" in done.stderr and "RD" in done.stderr
+
+
 def test_budget_of_paper_is_the_published_total(tmp_path):
     _, numbers = count(tmp_path, "paper")
     assert numbers["total"]["published"] == {"ADD": 86, "MUL": 92, "RCP": 2, "CMP": 108}
@@ -63,6 +82,12 @@ def test_memory_is_what_the_configuration_asks_for(tmp_path, config):
 EXTRA_CMP = """\
   ti_fp_cmp #(.ExpBits(ti_num_pkg::ExpBits), .FracBits(ti_num_pkg::FracBits)) u_extra (
     .a_i('0), .b_i('0), .lt_o(), .eq_o(), .le_o(), .unordered_o()
+  );
+"""
+
+EXTRA_RCP = """\
+  ti_fp_rcp #(.ExpBits(ti_num_pkg::ExpBits), .FracBits(ti_num_pkg::FracBits)) u_extra (
+    .clk_i, .rst_ni, .valid_i(1'b0), .a_i('0), .valid_o(), .result_o()
   );
 """
 

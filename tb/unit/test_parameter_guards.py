@@ -59,6 +59,9 @@ BAD = [
     ("ti_axi_read", {"MaxReads": 12}, "MaxReads must be a power of two from 2 to 1024"),
     ("ti_axi_read", {"MaxReads": 2048}, "MaxReads must be a power of two from 2 to 1024"),
     ("ti_counters", {"Num": 0}, "Num must be 1 or more"),
+    ("ti_rd_clip", {"RayCycles": 0}, "RayCycles must be 1 to 3"),
+    ("ti_rd_clip", {"RayCycles": 4}, "RayCycles must be 1 to 3"),
+    ("ti_rd", {"RayCycles": 4}, "ti_rd_clip: RayCycles must be 1 to 3"),
 ]
 # These take what they are given.
 NO_BAD_VALUE = {"ti_delay"}
@@ -88,7 +91,7 @@ def elaborate(module, values, config):
             "verilator",
             "--lint-only",
             f"-I{config}",
-            *(f"-I{RTL / folder}" for folder in FOLDERS),
+            *(f"-I{RTL / folder}" for folder in (*FOLDERS, "traverse/common")),
             str(ROOT / "lint/verilator.vlt"),
             str(config / "ti_config_pkg.sv"),
             str(config / "ti_count_pkg.sv"),

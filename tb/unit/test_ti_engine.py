@@ -478,10 +478,10 @@ SOME = "every_ray|hit_port|share=0.3|after=333|stay|dropped|flush|corrupt|new_sc
 SHAPES = {
     "tiny": ("", None),
     "cores": (
-        "cores=2 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=2",
+        "cores=2 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=2 rd_cycles=1",
         SOME,
     ),
-    "short_lines": ("num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4", SOME),
+    "short_lines": ("num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4 rd_cycles=2", SOME),
     "format": (
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
         "fp_add_stages=6 fp_mul_stages=5 fp_rcp_bits_per_stage=1 ring_delays=0 sync_reset=0",

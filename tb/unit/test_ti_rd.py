@@ -11,8 +11,6 @@ from models.numbers import hexed, numbers
 from models.payload import parameter, payloads
 from models.rays import clip, dispatched, random_ray, ray, setup_cases, unit_box
 
-DEPTH = 16  # rays inside, of which the RTL says so in its page
-
 
 class Homes:
     """The homes: each has room for `slots` rays, or a list of that, one a home.
@@ -142,23 +140,86 @@ async def hits_and_misses_leave_in_one_order(dut):
     assert len(homes.dealt) == sum(kinds)
 
 
-@cocotb.test()
-async def takes_a_ray_in_three_cycles_and_gives_it_after_its_latency(dut):
-    _, homes, events = await setup(dut, slots=lambda _: 1000)
-    todo = list(packed([inside()] * 60))
-    taken = []
-    for _ in range(60 * 3 + int(dut.Latency.value) + 8):
-        dut.ray_valid_i.value = int(bool(todo))
-        dut.ray_data_i.value = todo[0] if todo else 0
+async def taken_without_pause(dut, rays):
+    """The cycles in which the rays are taken when one always waits."""
+    todo, taken = list(packed(rays)), []
+    while todo:
+        dut.ray_valid_i.value = 1
+        dut.ray_data_i.value = todo[0]
         await ReadOnly()
-        if todo and dut.ray_ready_o.value == 1:
+        if dut.ray_ready_o.value == 1:
             taken.append(cycle())
             todo.pop(0)
         await RisingEdge(dut.clk_i)
+    dut.ray_valid_i.value = 0
+    await ClockCycles(dut.clk_i, int(dut.Latency.value) + 8)
+    return taken
 
-    assert taken == list(range(taken[0], taken[0] + 180, 3))
+
+@cocotb.test()
+async def takes_a_ray_in_its_cycles_and_gives_it_after_its_latency(dut):
+    """More rays than there are credits: each comes back in time."""
+    _, homes, events = await setup(dut, slots=lambda _: 1000)
+    steps, count = int(dut.RayCycles.value), 6 * int(dut.Depth.value)
+
+    taken = await taken_without_pause(dut, [inside()] * count)
+
+    assert taken == list(range(taken[0], taken[0] + steps * count, steps))
     assert [at for at, _, _ in homes.dealt] == [at + int(dut.Latency.value) for at in taken]
-    assert events.counts()["works"] == 180
+    assert events.counts()["works"] == steps * count
+
+
+@cocotb.test()
+async def the_latency_is_that_of_its_steps(dut):
+    """The same for each number of cycles a ray: accept, three axes, gather, check, queue."""
+    await start(dut)
+    arithmetic = int(dut.u_clip.AxisLatency.value)
+
+    assert int(dut.Latency.value) == arithmetic + 6
+    assert int(dut.u_clip.Lanes.value) == 4 - int(dut.RayCycles.value)
+
+
+@cocotb.test()
+async def misses_leave_at_the_rate_of_rays(dut):
+    rng, _, _ = await setup(dut, slots=lambda _: 1000)
+    steps, count = int(dut.RayCycles.value), 4 * int(dut.Depth.value)
+    dut.hit_ready_i.value = 1
+
+    taken = await taken_without_pause(dut, [rng.choice((inside, outside))() for _ in range(count)])
+
+    assert taken == list(range(taken[0], taken[0] + steps * count, steps))
+
+
+@cocotb.test()
+async def keeps_its_rate_while_seven_rays_wait(dut):
+    """There are credits for them beside those of the pipeline."""
+    _, homes, _ = await setup(dut, slots=lambda _: [0] * int(dut.NumTrv.value))
+    steps, count = int(dut.RayCycles.value), 4 * int(dut.Depth.value)
+    task = cocotb.start_soon(taken_without_pause(dut, [inside()] * count))
+    await ClockCycles(dut.clk_i, int(dut.Latency.value) + 7 * steps - 1)
+    homes._room = [1000] * int(dut.NumTrv.value)
+
+    taken = await task
+
+    assert taken == list(range(taken[0], taken[0] + steps * count, steps))
+    assert homes.dealt[0][0] - taken[0] >= int(dut.Latency.value) + 7 * steps - 1
+
+
+@cocotb.test(skip=parameter("NumTrv") < 2)
+async def rays_that_wait_are_dealt_one_a_cycle(dut):
+    """But for the cycle in which a home is found full."""
+    _, homes, _ = await setup(dut, slots=lambda _: [0] * int(dut.NumTrv.value))
+    tile, count, depth = (int(dut[x].value) for x in ("DealTile", "NumTrv", "Depth"))
+    cocotb.start_soon(Source(dut, "ray").send(packed([inside()] * depth)))
+    await ClockCycles(dut.clk_i, 4 * depth + int(dut.Latency.value))
+    assert not homes.dealt
+    homes._busy = lambda: None
+    homes._room = [1] + [1000] * (count - 1)
+    await ClockCycles(dut.clk_i, 3 * depth)
+
+    full = tile > 1  # a tile of one ray ends before its home is found full
+    assert len(homes.dealt) == depth
+    assert homes.dealt[-1][0] - homes.dealt[0][0] + 1 == depth + full
 
 
 def dealing(rooms, tile, count):
@@ -196,7 +257,8 @@ async def deals_in_tiles_in_turn_while_homes_have_room(dut, p_miss, held):
     assert [home for _, home, _ in homes.dealt] == dealing([1000] * count, tile, enter)
     assert [home for _, home, _ in homes.dealt] == [i // tile % count for i in range(enter)]
     together = [b - a for (a, _, _), (b, _, _) in zip(homes.dealt, homes.dealt[1:], strict=False)]
-    assert (1 in together) == held, "held rays are dealt in consecutive cycles"
+    in_a_row = held or int(dut.RayCycles.value) == 1
+    assert (1 in together) == in_a_row, "held rays are dealt in consecutive cycles"
 
 
 @cocotb.test(skip=parameter("NumTrv") < 2)
@@ -245,31 +307,50 @@ async def tells_what_it_does_in_each_cycle(dut):
     before = events.counts()
     await source.send(packed([outside()]))
     await ClockCycles(dut.clk_i, 2 * latency)
-    works = 3
+    works = int(dut.RayCycles.value)
     assert events.activities(before) == {
         "empty": 1 + latency,  # the cycle in which it is taken, and after its hit
         "works": works,
         "latency": latency - works,
     }
 
-    task = cocotb.start_soon(source.send(packed([outside()] * 100)))
+    task = cocotb.start_soon(source.send(packed([outside()] * (250 // works))))
     await ClockCycles(dut.clk_i, 50)
     assert await during(100) == {"works": 100}
     await task
-    await ClockCycles(dut.clk_i, 50)
+    await ClockCycles(dut.clk_i, 2 * latency)
 
     for given in (inside(), outside()):
         dut.hit_ready_i.value = 0
-        cocotb.start_soon(source.send(packed([given] * DEPTH)))
+        depth = int(dut.Depth.value)
+        cocotb.start_soon(source.send(packed([given] * depth)))
         await ClockCycles(dut.clk_i, 100)
         assert await during(30) == {"room": 30}
-        homes._room = [DEPTH] * int(dut.NumTrv.value)
+        homes._room = [depth] * int(dut.NumTrv.value)
         dut.hit_ready_i.value = 1
         await ClockCycles(dut.clk_i, 50)
 
 
 @pytest.mark.parametrize(
-    "params", [{}, {"NumTrv": 3, "DealTile": 4}, {"NumTrv": 4, "DealTile": 1}], ids=["1", "3", "4"]
+    "params",
+    [
+        {"RayCycles": 3},
+        {"RayCycles": 1},
+        {"RayCycles": 3, "NumTrv": 3, "DealTile": 4},
+        {"RayCycles": 2, "NumTrv": 3, "DealTile": 4},
+        {"RayCycles": 1, "NumTrv": 3, "DealTile": 4},
+        {"RayCycles": 1, "NumTrv": 4, "DealTile": 1},
+    ],
+    ids=lambda params: "-".join(map(str, params.values())),
 )
 def test_ti_rd(params):
     run("ti_rd", "test_ti_rd", params=params)
+
+
+@pytest.mark.parametrize("ray_cycles", [1, 2, 3])
+def test_ti_rd_of_deep_operators(ray_cycles):
+    """The longest latency that a configuration can ask for."""
+    deepest = "fp_add_stages=7 fp_mul_stages=5 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=4"
+    only = "takes_a_ray_in|the_latency_is|keeps_its_rate|misses_leave"
+    config = f"tiny {deepest}"
+    run("ti_rd", "test_ti_rd", config=config, params={"RayCycles": ray_cycles}, only=only)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_rd_clip` sets up each ray as the model does, `Latency` cycles after its last axis."""
+"""`ti_rd_clip` sets up each ray as the model does, at each rate and always after its latency."""
+
+from itertools import groupby
 
 import cocotb
 import pytest
@@ -8,20 +10,20 @@ from agents.fixed_latency import replay
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
 from models.payload import payloads
-from models.rays import clip, ray, setup_cases, unit_box
+from models.rays import clip, random_ray, ray, setup_cases, unit_box
 
 FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
 OK, INVALID = 0, 1
 
 
-def beats(case):
-    """The three cycles of a ray."""
+def beats(dut, case):
+    """The steps of a ray."""
     p, (lo, hi, given) = payloads(), case
-    for axis in range(3):
+    for step in range(int(dut.RayCycles.value)):
         yield {
             "box_lo_i": p.pack_vec(lo),
             "box_hi_i": p.pack_vec(hi),
-            "axis_i": axis,
+            "step_i": step,
             "ray_i": p.pack("ray_t", given),
         }
 
@@ -44,21 +46,28 @@ def reader(dut):
 
 
 async def check(dut, cases, gap=lambda: False):
-    """Run the cases; the cycles of all axes and of the results, and the results."""
-    flat = [beat for case in cases for beat in beats(case)]
-    sent, got = await replay(dut, flat, gap=gap, read=reader(dut))
-    assert len(got) == len(cases)
-    for case, (_, result) in zip(cases, got, strict=True):
-        want = expected(case)
-        assert result == want, f"{hexed(case)}: want {hexed(want)}, got {hexed(result)}"
-    return sent, [cycle for cycle, _ in got], [result for _, result in got]
+    """Run the cases, those of one box together; (cycles of all steps, of all results) for each
+    box, and the results of all."""
+    cycles, results = [], []
+    for _, group in groupby(cases, key=lambda case: case[:2]):
+        group = list(group)
+        flat = [beat for case in group for beat in beats(dut, case)]
+        drain = int(dut.Latency.value) + 8
+        sent, got = await replay(dut, flat, gap=gap, drain=drain, read=reader(dut))
+        assert len(got) == len(group)
+        for case, (_, result) in zip(group, got, strict=True):
+            want = expected(case)
+            assert result == want, f"{hexed(case)}: want {hexed(want)}, got {hexed(result)}"
+        cycles.append((sent, [cycle for cycle, _ in got]))
+        results += [result for _, result in got]
+    return cycles, results
 
 
 @cocotb.test()
 async def sets_up_what_the_model_sets_up(dut):
     rng = await start(dut)
 
-    _, _, results = await check(dut, list(setup_cases(rng, 1000)))
+    _, results = await check(dut, list(setup_cases(rng, 1000)))
 
     verdicts = {result[:2] for result in results}
     assert verdicts == {(0, OK), (1, OK), (1, INVALID)}
@@ -71,7 +80,7 @@ async def treats_both_zeros_of_a_direction_alike(dut):
     origins = [n.vec(o) for o in [(0, 0, -3), (1, 0, -3), (1, -1, -3), (1.5, 0, -3)]]
     pairs = [[ray(o, (x, y, n.one)) for x in (0, n.sign) for y in (0, n.sign)] for o in origins]
 
-    _, _, results = await check(dut, [(*unit_box(), r) for rays in pairs for r in rays])
+    _, results = await check(dut, [(*unit_box(), r) for rays in pairs for r in rays])
 
     for i in range(0, len(results), 4):
         miss, _, *rest = results[i]
@@ -85,7 +94,7 @@ async def says_invalid_of_exactly_the_rays_that_cannot_be_traced(dut):
     n = numbers()
     cases = list(setup_cases(rng, 300))
 
-    _, _, results = await check(dut, cases)
+    _, results = await check(dut, cases)
 
     for case, result in zip(cases, results, strict=True):
         given = case[2]
@@ -100,18 +109,55 @@ async def says_invalid_of_exactly_the_rays_that_cannot_be_traced(dut):
 @cocotb.parametrize(p_gap=[0.0, 0.5, 0.9])
 async def keeps_its_latency_with_and_without_bubbles(dut, p_gap):
     rng = await start(dut)
-    cases = rng.sample(list(setup_cases(rng, 100)), 100)
+    cases = [(*unit_box(), random_ray(rng)) for _ in range(300)]
     gap = (lambda: rng.random() < p_gap) if p_gap else (lambda: False)
 
-    sent, came, _ = await check(dut, cases, gap)
+    [(sent, came)], _ = await check(dut, cases, gap)
 
-    assert came == [cycle + int(dut.Latency.value) for cycle in sent[2::3]]
+    steps = int(dut.RayCycles.value)
+    assert came == [cycle + int(dut.Latency.value) for cycle in sent[steps - 1 :: steps]]
+    if not p_gap:
+        assert came[-1] - came[0] == steps * (len(cases) - 1)
+
+
+@cocotb.test()
+async def takes_as_long_at_each_rate(dut):
+    """From the first step on; so does RD."""
+    await start(dut)
+
+    [(sent, [came])], _ = await check(dut, [(*unit_box(), ray((0, 0, 0), (numbers().one,) * 3))])
+
+    operators = int(dut.AxisLatency.value)
+    assert came - sent[0] == operators + 4
+
+
+@cocotb.test()
+@cocotb.parametrize(kinds=[(a, b) for a in range(4) for b in range(4) if a != b])
+async def rays_of_unlike_kind_do_not_mix(dut, kinds):
+    """Each ray's neighbours bound it on other axes, are parallel on others, invalid, or miss."""
+    rng = await start(dut)
+    n = numbers()
+
+    def of_kind(kind):
+        axes = [rng.choice((0, 1, -1, rng.uniform(-1, 1))) for _ in range(3)]
+        if kind == 0:  # in the box, each axis may bound it
+            return ray(n.vec(rng.uniform(-1, 1) for _ in range(3)), n.direction(rng))
+        if kind == 1:  # one axis or two parallel, inside or out
+            return ray(n.vec(rng.choice((0, 1.5)) for _ in range(3)), n.vec(axes))
+        if kind == 2:
+            d = n.vec((0, 0, 0)) if rng.random() < 0.5 else (n.nan, n.one, n.one)
+            return ray(n.vec(axes), d)
+        return ray(n.vec(rng.choice((-3, 0, 3)) for _ in range(3)), n.direction(rng))
+
+    cases = [(*unit_box(), of_kind(kinds[i % 2])) for i in range(60)]
+
+    await check(dut, cases)
 
 
 @cocotb.test()
 async def forgets_what_is_inside_on_reset(dut):
     await start(dut)
-    dut.axis_i.value = 2
+    dut.step_i.value = int(dut.RayCycles.value) - 1
     dut.valid_i.value = 1
     for _ in range(int(dut.Latency.value) + 2):
         await RisingEdge(dut.clk_i)
@@ -126,6 +172,8 @@ async def forgets_what_is_inside_on_reset(dut):
         await RisingEdge(dut.clk_i)
 
 
+@pytest.mark.parametrize("ray_cycles", [1, 2, 3])
 @pytest.mark.parametrize("overrides", FORMATS)
-def test_ti_rd_clip(overrides):
-    run("ti_rd_clip", "test_ti_rd_clip", config=f"tiny {overrides}")
+def test_ti_rd_clip(overrides, ray_cycles):
+    params = {"RayCycles": ray_cycles}
+    run("ti_rd_clip", "test_ti_rd_clip", config=f"tiny {overrides}", params=params)

@@ -5,20 +5,23 @@
 
 /// RD, the ray dispatcher: sets rays up, answers those that miss the scene, deals the others to homes.
 ///
-/// One ray in three cycles (one reciprocal serves the three axes).  Rays keep their order.  Credits bound
-/// the rays inside to `Depth`, so the set-up never stalls.  `DealTile` rays in a row go to the same home while it
+/// One ray in `RayCycles` cycles: the fewer, the more lanes of arithmetic (`ti_rd_clip`); the latency is the same.  Rays
+/// keep their order.  Credits bound the rays inside to `Depth`, so the set-up never stalls.  `DealTile` rays in a row go to the same home while it
 /// has room, so that rays that lie together share an L1; then, and when that home is full, to the next with room.
-/// Rays that miss the scene box do not count.
+/// Rays that miss the scene box do not count.  A ray is dealt in each cycle, but for the one in which a home is found full.
 module ti_rd #(
   parameter int unsigned NumTrv = 1,
   parameter int unsigned DealTile = 16,
+  /// Cycles a ray, 1 to 3.
+  parameter int unsigned RayCycles = ti_config_pkg::RdCycles,
   localparam int unsigned AcceptLatency = 1,
-  localparam int unsigned AxisCycles = 3,
   localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
-  ) + ti_fp_pkg::MulLatency + 2,
+  ) + ti_fp_pkg::MulLatency + (3 - RayCycles) + 2,
   localparam int unsigned QueueLatency = 1,
-  localparam int unsigned Latency = AcceptLatency + AxisCycles - 1 + ClipLatency + QueueLatency
+  localparam int unsigned Latency = AcceptLatency + RayCycles - 1 + ClipLatency + QueueLatency,
+  // A credit is away for `Latency` + 1 cycles; some more are for rays that wait for a home.
+  localparam int unsigned Depth = (Latency + RayCycles) / RayCycles + 7
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -41,9 +44,9 @@ module ti_rd #(
   output ti_count_pkg::rd_events_t events_o  // `room` where an output waits
 );
 
-  localparam int unsigned Depth = 16;
   localparam int unsigned CountWidth = $clog2(Depth + 1);
   localparam int unsigned TileWidth = (DealTile > 1) ? $clog2(DealTile) : 1;
+  localparam logic [1:0] LastStep = 2'(RayCycles - 1);
 
   typedef struct packed {
     logic            miss;
@@ -53,25 +56,26 @@ module ti_rd #(
     ti_pkg::fp_t     tmax;
   } clipped_t;
 
-  // Rays come in, three cycles each.
-  logic take, hold_valid_q, last_axis, egress;
-  logic [1:0] axis_q;
+  // Rays come in, `RayCycles` cycles each.
+  logic take, hold_valid_q, last_step, egress;
+  logic [1:0] step, step_q;
   ti_pkg::ray_t hold_q, ray;
   logic [CountWidth-1:0] credits_q;
 
-  assign last_axis   = axis_q == 2'd2;
-  assign ray_ready_o = credits_q != '0 && (!hold_valid_q || last_axis);
+  assign step        = (RayCycles == 1) ? '0 : step_q;
+  assign last_step   = step == LastStep;
+  assign ray_ready_o = credits_q != '0 && (!hold_valid_q || last_step);
   assign take        = ray_valid_i && ray_ready_o;
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       hold_valid_q <= 1'b0;
-      axis_q       <= '0;
+      step_q       <= '0;
       credits_q    <= CountWidth'(Depth);
     end else begin
       if (take) hold_valid_q <= 1'b1;
-      else if (last_axis) hold_valid_q <= 1'b0;
-      if (hold_valid_q) axis_q <= last_axis ? '0 : axis_q + 1'b1;
+      else if (last_step) hold_valid_q <= 1'b0;
+      if (hold_valid_q) step_q <= last_step ? '0 : step + 1'b1;
       if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
     end
   end
@@ -81,13 +85,15 @@ module ti_rd #(
   logic clip_valid, clipped_valid, ray_waits;
   clipped_t clip, clipped;
 
-  ti_rd_clip u_clip (
+  ti_rd_clip #(
+    .RayCycles(RayCycles)
+  ) u_clip (
     .clk_i,
     .rst_ni,
     .box_lo_i,
     .box_hi_i,
     .valid_i (hold_valid_q),
-    .axis_i  (axis_q),
+    .step_i  (step),
     .ray_i   (hold_q),
     .valid_o (clip_valid),
     .miss_o  (clip.miss),

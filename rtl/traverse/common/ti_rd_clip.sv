@@ -3,30 +3,37 @@
 `include "ti_assert.svh"
 `include "ti_reset.svh"
 
-/// Set-up of a ray, one axis a cycle: the inverse direction and the interval inside the scene box.
+/// Set-up of a ray: the inverse direction and the interval inside the scene box.
 ///
-/// Per axis inv = 1/d, t = (plane - o) * inv for the near and the far plane of the box (slabs, Kay and Kajiya
-/// 1986); three axes in a row make a ray.  `Latency` cycles from the last axis to the result; no stall.
+/// A ray in `RayCycles` steps.  Lane 0 takes one of the first `RayCycles` axes in each step; each further axis has
+/// a lane of its own and enters it one cycle after the axis before.  So the interval is gathered axis by axis, one
+/// comparison of each end in a cycle, and the same number of cycles after the first step for each `RayCycles`:
+/// `Latency` cycles after the last step; no stall.
 /// An axis whose inverse is infinite is parallel: it sets no bound, and the ray misses when o lies
 /// outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward by 4 ulp, which covers
 /// the three roundings; the ray misses when tmin > tmax, tmin' > tmax' or tmax' < 0.
 /// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid.
-/// 1 RCP, 2 ADD, 2 MUL, 4 CMP.
+/// A lane has 1 RCP, 2 ADD, 2 MUL, 2 CMP; 2 CMP for all.
 module ti_rd_clip #(
-  localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
+  /// Cycles a ray, 1 to 3.
+  parameter int unsigned RayCycles = ti_config_pkg::RdCycles,
+  localparam int unsigned Lanes = 4 - RayCycles,
+  localparam int unsigned AxisLatency = ti_fp_pkg::rcp_latency(
+      ti_num_pkg::FracBits
+  ) + ti_fp_pkg::MulLatency,
+  localparam int unsigned SkewLatency = Lanes - 1,  // of the last lane
   localparam int unsigned GatherLatency = 1,  // interval over the axes
   localparam int unsigned CheckLatency = 1,  // outward, hit or miss
-  localparam int unsigned Latency =
-      RcpLatency + ti_fp_pkg::MulLatency + GatherLatency + CheckLatency
+  localparam int unsigned Latency = AxisLatency + SkewLatency + GatherLatency + CheckLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
-  input ti_pkg::vec3_t box_lo_i,
+  input ti_pkg::vec3_t box_lo_i,  // constant while rays are inside
   input ti_pkg::vec3_t box_hi_i,
 
   input logic               valid_i,
-  input logic         [1:0] axis_i,   // 0, 1, 2 in consecutive valid cycles
-  input ti_pkg::ray_t       ray_i,    // the same for the three
+  input logic         [1:0] step_i,   // 0 to RayCycles - 1 in consecutive valid cycles
+  input ti_pkg::ray_t       ray_i,    // the same for all steps
 
   output logic            valid_o,
   output logic            miss_o,
@@ -41,100 +48,31 @@ module ti_rd_clip #(
   localparam int unsigned W = ti_num_pkg::FpWidth;
   // Units in the last place by which the interval grows at each end.
   localparam int unsigned Outward = 4;
+  localparam logic [1:0] LastStep = 2'(RayCycles - 1);
   typedef ti_pkg::fp_t fp_t;
 
+  if (RayCycles < 1 || RayCycles > 3) begin : gen_check_ray_cycles
+    $error("ti_rd_clip: RayCycles must be 1 to 3");
+  end
+
+  // The ray as given, beside lane 0.
   typedef struct packed {
-    logic [1:0] axis;
-    logic       bad;   // the ray as given cannot be traced
+    logic [1:0] step;
+    logic       bad;   // cannot be traced
     fp_t        tmin;
     fp_t        tmax;
   } along_t;
 
-  // Inverse, and beside it the way to the two planes.
-  logic rcp_valid, mul_valid;
-  fp_t inv, to_lo, to_hi, to_lo_mul, to_hi_mul, near_t, far_t;
-
-  ti_fp_rcp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_rcp (
-    .clk_i,
-    .rst_ni,
-    .valid_i,
-    .a_i(ray_i.d[axis_i]),
-    .valid_o(rcp_valid),
-    .result_o(inv)
-  );
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_lo (
-    .clk_i,
-    .rst_ni,
-    .valid_i,
-    .a_i(box_lo_i[axis_i]),
-    .b_i(ray_i.o[axis_i]),
-    .negate_b_i(1'b1),
-    .valid_o(),
-    .result_o(to_lo)
-  );
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_hi (
-    .clk_i,
-    .rst_ni,
-    .valid_i,
-    .a_i(box_hi_i[axis_i]),
-    .b_i(ray_i.o[axis_i]),
-    .negate_b_i(1'b1),
-    .valid_o(),
-    .result_o(to_hi)
-  );
-  if (RcpLatency < ti_fp_pkg::AddLatency) begin : gen_check
-    $error("ti_rd_clip: the reciprocal must not be faster than the adder");
-  end
-  ti_delay #(
-    .payload_t(logic [2*W-1:0]),
-    .Cycles   (RcpLatency - ti_fp_pkg::AddLatency)
-  ) u_to_mul (
-    .clk_i,
-    .rst_ni,
-    .data_i({to_lo, to_hi}),
-    .data_o({to_lo_mul, to_hi_mul})
-  );
-
-  logic negative, parallel, outside;
-  assign negative = inv[W-1];
-  assign parallel = inv[W-2:0] == ti_num_pkg::Inf[W-2:0];
-  // lo - o > 0 or hi - o < 0.
-  assign outside = (!to_lo_mul[W-1] && to_lo_mul[W-2:0] != '0) ||
-      (to_hi_mul[W-1] && to_hi_mul[W-2:0] != '0);
-
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_near (
-    .clk_i,
-    .rst_ni,
-    .valid_i(rcp_valid),
-    .a_i(negative ? to_hi_mul : to_lo_mul),
-    .b_i(inv),
-    .valid_o(mul_valid),
-    .result_o(near_t)
-  );
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_far (
-    .clk_i,
-    .rst_ni,
-    .valid_i(rcp_valid),
-    .a_i(negative ? to_lo_mul : to_hi_mul),
-    .b_i(inv),
-    .valid_o(),
-    .result_o(far_t)
-  );
+  // What the axes say so far.
+  typedef struct packed {
+    fp_t           tmin;
+    fp_t           tmax;
+    ti_pkg::vec3_t inv;
+    logic          outside;
+    logic          all_parallel;
+    logic          bad;
+    logic          empty;         // tmin > tmax as given
+  } bounds_t;
 
   along_t along, along_in;
   logic [5:0] finite;
@@ -146,64 +84,22 @@ module ti_rd_clip #(
   assign nan_tmin = ray_i.tmin[W-2:0] > ti_num_pkg::Inf[W-2:0];
   assign nan_tmax = ray_i.tmax[W-2:0] > ti_num_pkg::Inf[W-2:0];
   always_comb begin
-    along_in.axis = axis_i;
+    along_in.step = step_i;
     along_in.bad  = finite != '1 || nan_tmin || nan_tmax;
     along_in.tmin = ray_i.tmin;
     along_in.tmax = ray_i.tmax;
   end
-  fp_t inv_end;
-  logic parallel_end, outside_end;
   ti_delay #(
     .payload_t(along_t),
-    .Cycles   (RcpLatency + ti_fp_pkg::MulLatency)
+    .Cycles   (AxisLatency)
   ) u_along (
     .clk_i,
     .rst_ni,
     .data_i(along_in),
     .data_o(along)
   );
-  ti_delay #(
-    .payload_t(logic [W+1:0]),
-    .Cycles   (ti_fp_pkg::MulLatency)
-  ) u_inv (
-    .clk_i,
-    .rst_ni,
-    .data_i({inv, parallel, outside}),
-    .data_o({inv_end, parallel_end, outside_end})
-  );
 
-  // Gather the three axes.
-  fp_t tmin_q, tmax_q, tmin_from, tmax_from;
-  ti_pkg::vec3_t inv_q;
-  logic gathered_q, empty_q, outside_q, bad_q, all_parallel_q;
-  logic first, raise, lower, given_ordered;
-
-  assign first     = along.axis == 2'd0;
-  assign tmin_from = !first ? tmin_q : (along.tmin[W-1] ? '0 : along.tmin);
-  assign tmax_from = !first ? tmax_q : along.tmax;
-
-  ti_fp_cmp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_raise (
-    .a_i(tmin_from),
-    .b_i(near_t),
-    .lt_o(raise),
-    .eq_o(),
-    .le_o(),
-    .unordered_o()
-  );
-  ti_fp_cmp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_lower (
-    .a_i(far_t),
-    .b_i(tmax_from),
-    .lt_o(lower),
-    .eq_o(),
-    .le_o(),
-    .unordered_o()
-  );
+  logic given_ordered;
   ti_fp_cmp #(
     .ExpBits (E),
     .FracBits(M)
@@ -216,28 +112,125 @@ module ti_rd_clip #(
     .unordered_o()
   );
 
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) gathered_q <= 1'b0;
-    else gathered_q <= mul_valid && along.axis == 2'd2;
+  bounds_t bounds_q[Lanes];
+  logic start[Lanes], axis_valid[Lanes];
+
+  for (genvar k = 0; k < Lanes; k++) begin : gen_lane
+    fp_t lo, hi, o, d, inv, near_t, far_t;
+    logic parallel, outside, raise, lower;
+    logic [1:0] axis;
+    bounds_t from, bounds;
+
+    if (k == 0) begin : gen_first
+      logic first;
+      assign start[k] = valid_i;
+      assign lo = box_lo_i[step_i];
+      assign hi = box_hi_i[step_i];
+      assign {o, d} = {ray_i.o[step_i], ray_i.d[step_i]};
+
+      assign first = along.step == 2'd0;
+      assign axis = along.step;
+      always_comb begin
+        from = bounds_q[k];
+        if (first) begin
+          from.tmin         = along.tmin[W-1] ? '0 : along.tmin;
+          from.tmax         = along.tmax;
+          from.outside      = 1'b0;
+          from.all_parallel = 1'b1;
+          from.bad          = along.bad;
+          from.empty        = !given_ordered;
+        end
+      end
+    end else begin : gen_later
+      localparam int unsigned Axis = RayCycles - 1 + k;
+      logic enter, start_q;
+      assign enter    = (k == 1) ? valid_i && step_i == LastStep : start[k-1];
+      assign start[k] = start_q;
+      always_ff @(`TI_CLK_RST) begin
+        if (!rst_ni) start_q <= 1'b0;
+        else start_q <= enter;
+      end
+      ti_delay #(
+        .payload_t(logic [2*W-1:0]),
+        .Cycles   (k)
+      ) u_skew (
+        .clk_i,
+        .rst_ni,
+        .data_i({ray_i.o[Axis], ray_i.d[Axis]}),
+        .data_o({o, d})
+      );
+      assign lo   = box_lo_i[Axis];
+      assign hi   = box_hi_i[Axis];
+      assign axis = 2'(Axis);
+      assign from = bounds_q[k-1];
+    end
+
+    ti_rd_axis u_axis (
+      .clk_i,
+      .rst_ni,
+      .valid_i   (start[k]),
+      .lo_i      (lo),
+      .hi_i      (hi),
+      .o_i       (o),
+      .d_i       (d),
+      .valid_o   (axis_valid[k]),
+      .inv_o     (inv),
+      .near_o    (near_t),
+      .far_o     (far_t),
+      .parallel_o(parallel),
+      .outside_o (outside)
+    );
+
+    // Gather the axis.
+    ti_fp_cmp #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_raise (
+      .a_i(from.tmin),
+      .b_i(near_t),
+      .lt_o(raise),
+      .eq_o(),
+      .le_o(),
+      .unordered_o()
+    );
+    ti_fp_cmp #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_lower (
+      .a_i(far_t),
+      .b_i(from.tmax),
+      .lt_o(lower),
+      .eq_o(),
+      .le_o(),
+      .unordered_o()
+    );
+    always_comb begin
+      bounds           = from;
+      bounds.inv[axis] = inv;
+      if (parallel) begin
+        bounds.outside = from.outside || outside;
+      end else begin
+        bounds.all_parallel = 1'b0;
+        if (raise) bounds.tmin = near_t;
+        if (lower) bounds.tmax = far_t;
+      end
+    end
+    always_ff @(posedge clk_i) if (axis_valid[k]) bounds_q[k] <= bounds;
   end
 
-  always_ff @(posedge clk_i) begin
-    if (mul_valid) begin
-      tmin_q            <= (raise && !parallel_end) ? near_t : tmin_from;
-      tmax_q            <= (lower && !parallel_end) ? far_t : tmax_from;
-      inv_q[along.axis] <= inv_end;
-      outside_q         <= (parallel_end && outside_end) || (!first && outside_q);
-      all_parallel_q    <= parallel_end && (first || all_parallel_q);
-      bad_q             <= along.bad;
-      empty_q           <= !given_ordered;
-    end
+  logic gathered_q;
+  bounds_t all;
+  assign all = bounds_q[Lanes-1];
+  always_ff @(`TI_CLK_RST) begin
+    if (!rst_ni) gathered_q <= 1'b0;
+    else gathered_q <= axis_valid[Lanes-1] && (Lanes > 1 || along.step == LastStep);
   end
 
   // Outward, in the order of bit patterns: down to 0, up to infinity at most.
   fp_t tmin_out, tmax_out, tmin_size, tmax_size;
   logic ordered, invalid;
-  assign tmin_size = {1'b0, tmin_q[W-2:0]};
-  assign tmax_size = {1'b0, tmax_q[W-2:0]};
+  assign tmin_size = {1'b0, all.tmin[W-2:0]};
+  assign tmax_size = {1'b0, all.tmax[W-2:0]};
   assign tmin_out = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
   assign tmax_out  = (tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)) ? ti_num_pkg::Inf :
       tmax_size + fp_t'(Outward);
@@ -252,7 +245,7 @@ module ti_rd_clip #(
     .le_o(ordered),
     .unordered_o()
   );
-  assign invalid = bad_q || all_parallel_q;
+  assign invalid = all.bad || all.all_parallel;
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_o <= 1'b0;
@@ -261,14 +254,16 @@ module ti_rd_clip #(
 
   always_ff @(posedge clk_i) begin
     if (gathered_q) begin
-      miss_o <= invalid || empty_q || outside_q || !ordered || (tmax_q[W-1] && tmax_q[W-2:0] != '0);
+      miss_o   <= invalid || all.empty || all.outside || !ordered ||
+          (all.tmax[W-1] && all.tmax[W-2:0] != '0);
       status_o <= invalid ? ti_pkg::InvalidRay : ti_pkg::Ok;
-      inv_o <= inv_q;
+      inv_o <= all.inv;
       tmin_o <= tmin_out;
       tmax_o <= tmax_out;
     end
   end
 
+  `TI_ASSERT(StepsOfARayInOrder, valid_i |-> step_i <= LastStep)
   `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_rd_clip

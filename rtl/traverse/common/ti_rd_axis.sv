@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// One axis of the set-up of a ray: the inverse direction and the way to the two planes of the scene box.
+///
+/// inv = 1/d, t = (plane - o) * inv for the near and the far plane (slabs, Kay and Kajiya 1986): near is lo, hi for
+/// a negative inverse.  An axis whose inverse is infinite is parallel: its near and far mean nothing, and o lies
+/// outside when lo - o > 0 or hi - o < 0.  All values are rounded to nearest even after each operation.
+/// `Latency` cycles, one axis a cycle, no stall.  1 RCP, 2 ADD, 2 MUL.
+module ti_rd_axis #(
+  localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
+  localparam int unsigned Latency = RcpLatency + ti_fp_pkg::MulLatency
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input logic            valid_i,
+  input ti_num_pkg::fp_t lo_i,     // planes of the box
+  input ti_num_pkg::fp_t hi_i,
+  input ti_num_pkg::fp_t o_i,
+  input ti_num_pkg::fp_t d_i,
+
+  output logic            valid_o,
+  output ti_num_pkg::fp_t inv_o,
+  output ti_num_pkg::fp_t near_o,
+  output ti_num_pkg::fp_t far_o,
+  output logic            parallel_o,
+  output logic            outside_o    // means something only of a parallel axis
+);
+
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
+  localparam int unsigned W = ti_num_pkg::FpWidth;
+  typedef ti_num_pkg::fp_t fp_t;
+
+  if (RcpLatency < ti_fp_pkg::AddLatency) begin : gen_check
+    $error("ti_rd_axis: the reciprocal must not be faster than the adder");
+  end
+
+  // Inverse, and beside it the way to the two planes.
+  logic rcp_valid;
+  fp_t inv, to_lo, to_hi, to_lo_mul, to_hi_mul;
+
+  ti_fp_rcp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_rcp (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(d_i),
+    .valid_o(rcp_valid),
+    .result_o(inv)
+  );
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_lo (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(lo_i),
+    .b_i(o_i),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(to_lo)
+  );
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_hi (
+    .clk_i,
+    .rst_ni,
+    .valid_i,
+    .a_i(hi_i),
+    .b_i(o_i),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(to_hi)
+  );
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (RcpLatency - ti_fp_pkg::AddLatency)
+  ) u_to_mul (
+    .clk_i,
+    .rst_ni,
+    .data_i({to_lo, to_hi}),
+    .data_o({to_lo_mul, to_hi_mul})
+  );
+
+  logic negative, parallel, outside;
+  assign negative = inv[W-1];
+  assign parallel = inv[W-2:0] == ti_num_pkg::Inf[W-2:0];
+  // lo - o > 0 or hi - o < 0.
+  assign outside = (!to_lo_mul[W-1] && to_lo_mul[W-2:0] != '0) ||
+      (to_hi_mul[W-1] && to_hi_mul[W-2:0] != '0);
+
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_near (
+    .clk_i,
+    .rst_ni,
+    .valid_i(rcp_valid),
+    .a_i(negative ? to_hi_mul : to_lo_mul),
+    .b_i(inv),
+    .valid_o(valid_o),
+    .result_o(near_o)
+  );
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_far (
+    .clk_i,
+    .rst_ni,
+    .valid_i(rcp_valid),
+    .a_i(negative ? to_lo_mul : to_hi_mul),
+    .b_i(inv),
+    .valid_o(),
+    .result_o(far_o)
+  );
+
+  ti_delay #(
+    .payload_t(logic [W+1:0]),
+    .Cycles   (ti_fp_pkg::MulLatency)
+  ) u_inv (
+    .clk_i,
+    .rst_ni,
+    .data_i({inv, parallel, outside}),
+    .data_o({inv_o, parallel_o, outside_o})
+  );
+
+endmodule : ti_rd_axis
