@@ -129,6 +129,7 @@ def load(name_or_path: str, overrides: list[str] = (), schema: Schema | None = N
         changes[name] = known(path, schema, name).of_text(text)
     values = schema.defaults() | stored | changes
     check(path, schema, values)
+    values["streams"] = values["streams"] or values["cores"]
     base = schema.defaults() | stored
     changes = {k: changes[k] for k in schema.keys if k in changes and changes[k] != base.get(k)}
     return Configuration(schema, path, values, changes)
@@ -168,6 +169,11 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
         raise ConfigError(
             f"{path}: num_list is {config['num_list']}, "
             f"but must be at most num_trv, {config['num_trv']}"
+        )
+    if config["streams"] and config["cores"] % config["streams"]:
+        raise ConfigError(
+            f"{path}: streams is {config['streams']}, but must be 0 or divide cores, "
+            f"{config['cores']}"
         )
     check_reciprocal(path, config)
     for unit in READERS:

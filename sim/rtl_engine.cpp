@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <deque>
@@ -81,9 +82,8 @@ class RtlEngine final : public Engine {
   }
 
   std::size_t cancel() override {
-    const std::size_t kept = ray_up_ ? 1 : 0;  // on the port already
-    const std::size_t n = queue_.size() - kept;
-    queue_.resize(kept);
+    const std::size_t n = queue_.size();
+    queue_.clear();
     return n;
   }
 
@@ -107,7 +107,7 @@ class RtlEngine final : public Engine {
   [[nodiscard]] Counts counts() override;
 
  private:
-  /// Rays that the machine has taken and not answered.
+  /// Rays that have been dealt to a stream and not answered.
   [[nodiscard]] std::uint64_t inside() const { return missing_; }
 
   /// A machine after its reset, caches cold.
@@ -122,23 +122,23 @@ class RtlEngine final : public Engine {
     memory_ = sim::make_memory(image_, options_);
     reset(*top_);
     set_scene(*top_);
-    ray_up_ = false;
+    dealt_ = {};
   }
 
   /// One cycle. The engine's valid and ready outputs come from registers, so the inputs of a cycle
   /// may follow from its outputs.
   void cycle(std::vector<Answer>& answers) {
     Vti_engine& top = *top_;
-    if (top.ray_valid_i && top.ray_ready_o) {
-      queue_.pop_front();
-      came_.push_back(false);
-      ++missing_;
-      ray_up_ = false;
-      last_event_ = cycle_;
-    }
-    if (top.hit_valid_o && top.hit_ready_i) {
-      take(top, answers);
-      last_event_ = cycle_;
+    for (int s = 0; s < config::kStreams; ++s) {
+      if (bit(top.ray_valid_i, s) && bit(top.ray_ready_o, s)) {
+        dealt_[static_cast<std::size_t>(s)].pop_front();
+        set_bit(top.ray_valid_i, s, false);
+        last_event_ = cycle_;
+      }
+      if (bit(top.hit_valid_o, s) && bit(top.hit_ready_i, s)) {
+        take(top, s, answers);
+        last_event_ = cycle_;
+      }
     }
     const std::uint64_t answered = take_reads(top, *memory_);
     if (answered != 0) last_event_ = cycle_;
@@ -146,14 +146,30 @@ class RtlEngine final : public Engine {
     memory_->tick();
     ++cycle_;
 
-    if (!ray_up_ && !queue_.empty() && !stall()) {
-      put_ray(top, static_cast<std::uint32_t>(first_ + came_.size()), queue_.front());
-      ray_up_ = true;
+    for (int s = 0; s < config::kStreams; ++s) {
+      offer(top, s);
+      set_bit(top.hit_ready_i, s, !stall());
     }
-    top.ray_valid_i = ray_up_;
-    top.hit_ready_i = !stall();
     put_answers(top, *memory_, answered);
     if (cycle_ % 1024 == 0 && options_.progress) options_.progress(counts_.rays, cycle_);
+  }
+
+  /// Puts the next ray of a stream on its port, unless one waits there. A stream takes rays in tiles,
+  /// as `ti_core_deal` does, so that rays that lie together meet in one core.
+  void offer(Vti_engine& top, int stream) {
+    auto& dealt = dealt_[static_cast<std::size_t>(stream)];
+    if (bit(top.ray_valid_i, stream) || stall()) return;
+    if (dealt.empty()) {
+      for (int i = 0; i < config::kCoreTile && !queue_.empty(); ++i) {
+        dealt.push_back({static_cast<std::uint32_t>(first_ + came_.size()), queue_.front()});
+        queue_.pop_front();
+        came_.push_back(false);
+        ++missing_;
+      }
+    }
+    if (dealt.empty()) return;
+    put_ray(top, stream, dealt.front().id, dealt.front().ray);
+    set_bit(top.ray_valid_i, stream, true);
   }
 
   /// All rays are answered: counters stop, and nothing may follow.
@@ -231,9 +247,10 @@ class RtlEngine final : public Engine {
     scene.put(header.root, 29);
   }
 
-  static void put_ray(Vti_engine& top, std::uint32_t id, const Ray& ray) {
-    std::fill(std::begin(top.ray_data_i.m_storage), std::end(top.ray_data_i.m_storage), 0U);
-    Packer packer(top.ray_data_i.m_storage);
+  static void put_ray(Vti_engine& top, int stream, std::uint32_t id, const Ray& ray) {
+    auto& words = top.ray_data_i[stream].m_storage;
+    std::fill(std::begin(words), std::end(words), 0U);
+    Packer packer(words);
     const auto put = [&packer](float value) {
       packer.put(round_to_bits(kFormat, value), kFpWidth);
     };
@@ -250,9 +267,10 @@ class RtlEngine final : public Engine {
     std::uint64_t hits = 0;
     top.ray_valid_i = 0;
     top.m_axi_rvalid = 0;
-    top.hit_ready_i = 1;
+    top.hit_ready_i = static_cast<decltype(top.hit_ready_i)>(~decltype(+top.hit_ready_i){0});
     for (int i = 0; i < kSilence; ++i) {
-      if (top.hit_valid_o) ++hits;
+      hits += static_cast<std::uint64_t>(
+          std::popcount(static_cast<std::uint64_t>(top.hit_valid_o)));
       step(top);
     }
     return hits;
@@ -286,8 +304,8 @@ class RtlEngine final : public Engine {
     }
   }
 
-  void take(const Vti_engine& top, std::vector<Answer>& answers) {
-    Unpacker fields(top.hit_data_o.m_storage);
+  void take(const Vti_engine& top, int stream, std::vector<Answer>& answers) {
+    Unpacker fields(top.hit_data_o[stream].m_storage);
     Answer answer;
     answer.hit.steps = static_cast<std::uint16_t>(fields.get(16));
     answer.hit.v = static_cast<std::uint32_t>(fields.get(kFpWidth));
@@ -332,10 +350,14 @@ class RtlEngine final : public Engine {
   std::unique_ptr<Vti_engine> top_;
   std::unique_ptr<Memory> memory_;
 
-  std::deque<Ray> queue_;  // the first one is on the port when `ray_up_`
-  bool ray_up_ = false;
-  std::uint64_t first_ = 0;    // number of the ray of `came_[0]`
-  std::vector<bool> came_;     // of the rays taken since all were answered: whether they are
+  struct Dealt {
+    std::uint32_t id;
+    Ray ray;
+  };
+  std::deque<Ray> queue_;
+  std::array<std::deque<Dealt>, config::kStreams> dealt_;  // the first one may be on the port
+  std::uint64_t first_ = 0;  // number of the ray of `came_[0]`
+  std::vector<bool> came_;   // of the rays dealt since all were answered: whether they are
   std::uint64_t missing_ = 0;  // those of `came_` that are not
   std::uint64_t cycle_ = 0;
   std::uint64_t last_event_ = 0;

@@ -5,9 +5,10 @@
 
 /// The traversal and intersection engine: rays in, hits out, one AXI4 read port a core.
 ///
-/// `NumCores` cores trace rays of one scene.  Every ray that goes in comes out exactly once; hits come in any order
-/// and carry the ray's number.  The taker of hits must not wait for rays to be accepted.  All inputs but the reset go
-/// into registers and all outputs come from them.
+/// `NumCores` cores trace rays of one scene.  Every ray that goes in comes out exactly once, at the stream of the same
+/// number; hits come in any order and carry the ray's number.  A stream moves a ray and a hit a cycle and serves
+/// NumCores / NumStreams cores, in tiles (`ti_core_deal`).  The taker of hits must not wait for rays to be accepted.
+/// All inputs but the reset go into registers and all outputs come from them.
 ///
 /// `scene_i` is taken over in each cycle in which `idle_o` is 1, so it may change at any time and holds for rays
 /// accepted after the engine has been idle.  A new scene at the addresses of an old one needs a flush: while
@@ -19,6 +20,7 @@
 /// `count_core_i` (`ti_count_pkg`), 2 cycles after it was asked for.
 module ti_engine #(
   localparam int unsigned NumCores = ti_config_pkg::Cores,
+  localparam int unsigned NumStreams = ti_config_pkg::Streams,
   localparam int unsigned CoreIndexWidth = (NumCores > 1) ? $clog2(NumCores) : 1,
   localparam int unsigned AxiIdWidth = (ti_config_pkg::MaxReads > 1) ? $clog2(
       ti_config_pkg::MaxReads
@@ -30,13 +32,13 @@ module ti_engine #(
   output logic           idle_o,   // no ray inside
   input  ti_pkg::scene_t scene_i,
 
-  input  logic         ray_valid_i,
-  output logic         ray_ready_o,
-  input  ti_pkg::ray_t ray_data_i,
+  input  logic         [NumStreams-1:0] ray_valid_i,
+  output logic         [NumStreams-1:0] ray_ready_o,
+  input  ti_pkg::ray_t                  ray_data_i [NumStreams],
 
-  output logic         hit_valid_o,
-  input  logic         hit_ready_i,
-  output ti_pkg::hit_t hit_data_o,
+  output logic         [NumStreams-1:0] hit_valid_o,
+  input  logic         [NumStreams-1:0] hit_ready_i,
+  output ti_pkg::hit_t                  hit_data_o [NumStreams],
 
   // Core c has the element c of each.
   output logic              [  NumCores-1:0] m_axi_arvalid,
@@ -71,48 +73,84 @@ module ti_engine #(
       ti_mem_pkg::NumBanks + 1
   ) : 1;
 
-  // Rays inside, those in queues included.
-  logic take, give, deal_ready;
-  logic [31:0] inside_q;
-  logic flush_q, flush, idle;
-  ti_pkg::scene_t scene_q;
-
-  assign ray_ready_o = deal_ready && !flush_q;
-  assign take        = ray_valid_i && ray_ready_o;
-  assign give        = hit_valid_o && hit_ready_i;
-  assign idle        = inside_q == '0;
-  assign idle_o      = idle;
-  assign flush       = flush_q && idle;
-
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) begin
-      flush_q  <= 1'b0;
-      inside_q <= '0;
-    end else begin
-      flush_q <= flush_i;
-      if (take != give) inside_q <= take ? inside_q + 1'b1 : inside_q - 1'b1;
-    end
-  end
-  always_ff @(posedge clk_i) if (idle) scene_q <= scene_i;
-
+  // Streams, each of the cores from s * CoresEach on.
+  localparam int unsigned CoresEach = NumCores / NumStreams;
+  logic [NumStreams-1:0] take, give, deal_ready;
+  logic flush_q;
   logic [NumCores-1:0] core_ray_valid, core_ray_ready, core_hit_valid, core_hit_ready;
   logic [NumCores-1:0] core_idle, core_hit_lost;
   ti_pkg::ray_t core_ray[NumCores];
   ti_pkg::hit_t core_hit[NumCores];
 
-  ti_core_deal #(
-    .NumCores(NumCores),
-    .Tile    (ti_config_pkg::CoreTile)
-  ) u_deal (
-    .clk_i,
-    .rst_ni,
-    .ray_valid_i (ray_valid_i && !flush_q),
-    .ray_ready_o (deal_ready),
-    .ray_data_i,
-    .core_valid_o(core_ray_valid),
-    .core_ready_i(core_ray_ready),
-    .core_data_o (core_ray)
-  );
+  for (genvar s = 0; s < NumStreams; s++) begin : gen_stream
+    ti_pkg::ray_t ray[CoresEach];
+    ti_pkg::hit_t hit[CoresEach];
+    for (genvar c = 0; c < CoresEach; c++) begin : gen_core
+      assign core_ray[s*CoresEach+c] = ray[c];
+      assign hit[c] = core_hit[s*CoresEach+c];
+    end
+
+    ti_core_deal #(
+      .NumCores(CoresEach),
+      .Tile    (ti_config_pkg::CoreTile)
+    ) u_deal (
+      .clk_i,
+      .rst_ni,
+      .ray_valid_i (ray_valid_i[s] && !flush_q),
+      .ray_ready_o (deal_ready[s]),
+      .ray_data_i  (ray_data_i[s]),
+      .core_valid_o(core_ray_valid[s*CoresEach+:CoresEach]),
+      .core_ready_i(core_ray_ready[s*CoresEach+:CoresEach]),
+      .core_data_o (ray)
+    );
+
+    ti_arbiter #(
+      .payload_t(ti_pkg::hit_t),
+      .NumIn    (CoresEach)
+    ) u_hits (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (core_hit_valid[s*CoresEach+:CoresEach]),
+      .in_ready_o (core_hit_ready[s*CoresEach+:CoresEach]),
+      .in_lost_o  (core_hit_lost[s*CoresEach+:CoresEach]),
+      .in_data_i  (hit),
+      .out_valid_o(hit_valid_o[s]),
+      .out_ready_i(hit_ready_i[s]),
+      .out_data_o (hit_data_o[s])
+    );
+
+    `TI_ASSERT(OutHeldUntilTaken,
+               hit_valid_o[s] && !hit_ready_i[s] |=> hit_valid_o[s] && $stable(hit_data_o[s]))
+  end
+
+  // Rays inside, those in queues included.
+  logic [31:0] inside_q, inside_next;
+  logic flush, idle;
+  ti_pkg::scene_t scene_q;
+
+  assign ray_ready_o = flush_q ? '0 : deal_ready;
+  assign take        = ray_valid_i & ray_ready_o;
+  assign give        = hit_valid_o & hit_ready_i;
+  assign idle        = inside_q == '0;
+  assign idle_o      = idle;
+  assign flush       = flush_q && idle;
+
+  always_comb begin
+    inside_next = inside_q;
+    for (int unsigned s = 0; s < NumStreams; s++) begin
+      if (take[s] != give[s]) inside_next = take[s] ? inside_next + 1'b1 : inside_next - 1'b1;
+    end
+  end
+  always_ff @(`TI_CLK_RST) begin
+    if (!rst_ni) begin
+      flush_q  <= 1'b0;
+      inside_q <= '0;
+    end else begin
+      flush_q  <= flush_i;
+      inside_q <= inside_next;
+    end
+  end
+  always_ff @(posedge clk_i) if (idle) scene_q <= scene_i;
 
   // Counters.
   logic count_run_q;
@@ -238,30 +276,17 @@ module ti_engine #(
     assign unused_idle = memory_idle;
   end
 
-  ti_arbiter #(
-    .payload_t(ti_pkg::hit_t),
-    .NumIn    (NumCores)
-  ) u_hits (
-    .clk_i,
-    .rst_ni,
-    .in_valid_i (core_hit_valid),
-    .in_ready_o (core_hit_ready),
-    .in_lost_o  (core_hit_lost),
-    .in_data_i  (core_hit),
-    .out_valid_o(hit_valid_o),
-    .out_ready_i(hit_ready_i),
-    .out_data_o (hit_data_o)
-  );
-
   logic unused;
   assign unused = ^{core_hit_lost, core_idle};
 
   if (NumCores < 1) begin : gen_check_cores
     $error("ti_engine: NumCores must be 1 or more");
   end
+  if (NumStreams < 1 || CoresEach * NumStreams != NumCores) begin : gen_check_streams
+    $error("ti_engine: NumStreams must be 1 or more and divide NumCores");
+  end
 
-  `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
-  `TI_ASSERT(NoHitWithoutARay, give |-> inside_q != '0)
+  `TI_ASSERT(NoHitWithoutARay, give != '0 |-> inside_q != '0)
   `TI_COVER(FlushesIdle, flush)
   `TI_COVER(FlushWaitsForRays, flush_q && !idle)
 
