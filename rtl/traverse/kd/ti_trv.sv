@@ -19,10 +19,8 @@ module ti_trv #(
   parameter int unsigned Ways = 2,
   localparam int unsigned GeometryLatency = 1,  // slot memory
   localparam int unsigned ArithmeticLatency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
-  localparam int unsigned QueueLatency = 1,
   localparam int unsigned ArbiterLatency = 1,
-  localparam int unsigned StepLatency =
-      GeometryLatency + ArithmeticLatency + QueueLatency + ArbiterLatency
+  localparam int unsigned StepLatency = GeometryLatency + ArithmeticLatency + ArbiterLatency
 ) (
   input  logic                clk_i,
   input  logic                rst_ni,
