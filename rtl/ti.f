@@ -33,7 +33,10 @@ rtl/traverse/common/ti_rd_clip.sv
 rtl/traverse/common/ti_rd.sv
 rtl/traverse/common/ti_trv_visits.sv
 rtl/traverse/common/ti_trv_leaves.sv
+rtl/traverse/common/ti_trv_best.sv
+rtl/traverse/common/ti_trv_retire.sv
 rtl/traverse/common/ti_trv_return.sv
+rtl/traverse/common/ti_trv_account.sv
 rtl/traverse/kd/ti_kd_step.sv
 rtl/traverse/kd/ti_kd_decide.sv
 rtl/traverse/kd/ti_kd_state.sv

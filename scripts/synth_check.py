@@ -45,6 +45,8 @@ PARAMETERS = {
     "ti_rd_clip": {"RayCycles": "rd_cycles"},
     "ti_trv": {**cached("trv"), **STEPS},
     "ti_kd_decide": STEPS,
+    "ti_trv_best": {"NumSlots": "trv_slots"},
+    "ti_trv_retire": {"NumSlots": "trv_slots"},
     "ti_trv_return": {"NumSlots": "trv_slots"},
     "ti_kd_state": {"NumSlots": "trv_slots", "StackDepth": "stack_depth"},
     "ti_ra": cached("ist1"),

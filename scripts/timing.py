@@ -31,6 +31,7 @@ UNITS = (
     *OPERATORS,
     "ti_trv",
     "ti_trv_return",
+    "ti_trv_best",
     "ti_kd_state",
     "ti_list",
     "ti_ist1",

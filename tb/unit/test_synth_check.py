@@ -67,7 +67,18 @@ def test_every_ram_has_a_clocked_read(tmp_path):
     done = check(tmp_path, "--unit", "ti_trv_return", "--json", out)
     assert done.returncode == 0, done.stdout
     rams = {m["name"]: m for m in json.loads(out.read_text())["memories"]}
-    for name in ("u_start", "u_park", "u_best", "u_tbest_hit", "u_tbest_start"):
+    for name in (
+        "u_sent",
+        "u_back",
+        "u_park",
+        "u_best.u_interval",
+        "u_best.u_key",
+        "u_best.u_final",
+        "u_best.u_tbest_hit",
+        "u_best.u_tbest_start",
+        "u_retire.u_ray_id",
+        "u_retire.u_steps",
+    ):
         assert rams[f"{name}.mem_q"]["clocked_read"], name
 
 

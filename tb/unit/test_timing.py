@@ -50,7 +50,7 @@ def test_the_words_of_a_ram_are_no_flops(tmp_path):
         done = timing(tmp_path, "--unit", "ti_trv_return", "--json", out, overrides=overrides)
         assert done.returncode == 0, done.stderr
         flops.append(json.loads(out.read_text())["units"][0]["flops"])
-    # A slot has some 25 flops, and more than 200 bits in RAMs.
+    # A slot has some 20 flops, and more than 300 bits in RAMs.
     assert flops[0] < flops[1] < flops[0] + 8 * 40
 
 

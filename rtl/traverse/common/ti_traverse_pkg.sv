@@ -15,4 +15,13 @@ package ti_traverse_pkg;
     ti_pkg::fp_t           tmax;
   } dispatch_t;
 
+  /// The best hit of a ray.
+  typedef struct packed {
+    logic          hit;   // there is one, and the rest is valid
+    ti_pkg::fp_t   t;
+    ti_pkg::fp_t   u;
+    ti_pkg::fp_t   v;
+    ti_pkg::prim_t prim;
+  } best_t;
+
 endpackage : ti_traverse_pkg

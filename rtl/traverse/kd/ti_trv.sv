@@ -19,10 +19,8 @@ module ti_trv #(
   parameter int unsigned Ways = 2,
   localparam int unsigned GeometryLatency = 1,  // slot memory
   localparam int unsigned ArithmeticLatency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
-  localparam int unsigned QueueLatency = 1,
   localparam int unsigned ArbiterLatency = 1,
-  localparam int unsigned StepLatency =
-      GeometryLatency + ArithmeticLatency + QueueLatency + ArbiterLatency
+  localparam int unsigned StepLatency = GeometryLatency + ArithmeticLatency + ArbiterLatency
 ) (
   input  logic                clk_i,
   input  logic                rst_ni,
@@ -70,12 +68,6 @@ module ti_trv #(
     ti_pkg::vec3_t o;
     ti_pkg::vec3_t inv;
   } geometry_t;
-
-  typedef struct packed {
-    slot_t           slot;
-    ti_pkg::status_e status;
-    ti_pkg::steps_t  steps;
-  } done_t;
 
   // ---- Slots: a ray comes in.
   logic start, free;
@@ -315,22 +307,6 @@ module ti_trv #(
   );
 
   // ---- The way home.
-  logic done_valid, done_ready;
-  done_t done_slot;
-
-  ti_queue #(
-    .payload_t(done_t),
-    .Depth    (NumSlots)
-  ) u_done (
-    .clk_i,
-    .rst_ni,
-    .push_i     (end_valid && done),
-    .push_data_i('{slot: end_slot, status: status, steps: steps_next}),
-    .out_valid_o(done_valid),
-    .out_ready_i(done_ready),
-    .out_data_o (done_slot)
-  );
-
   ti_trv_return #(
     .NumSlots(NumSlots)
   ) u_return (
@@ -343,18 +319,15 @@ module ti_trv #(
     .start_tmin_i    (dispatch_data_i.ray_tmin),
     .start_tmax_i    (dispatch_data_i.ray_tmax),
     .park_i          (end_valid && leaf),
-    .park_slot_i     (end_slot),
+    .done_i          (end_valid && done),
+    .stop_slot_i     (end_slot),
+    .stop_steps_i    (steps_next),
+    .done_status_i   (status),
     .park_count_i    (end_node.link[15:0]),
     .park_go_i       (go),
     .park_restart_i  (restart),
     .park_next_i     (next_node),
     .park_bound_i    (tmax),
-    .park_steps_i    (steps_next),
-    .done_valid_i    (done_valid),
-    .done_ready_o    (done_ready),
-    .done_slot_i     (done_slot.slot),
-    .done_status_i   (done_slot.status),
-    .done_steps_i    (done_slot.steps),
     .return_valid_i,
     .return_ready_o,
     .return_data_i,
@@ -373,47 +346,30 @@ module ti_trv #(
   );
 
   // ---- What happens, for counting.
-  logic at_home, moving;
-  logic [$bits(slot_t):0] inside_q, moving_q;  // rays at home; of these, on their way to a decision
+  logic at_home;
 
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) begin
-      inside_q <= '0;
-      moving_q <= '0;
-    end else begin
-      inside_q <= inside_q + ($bits(inside_q))'(start) - ($bits(inside_q))'(free);
-      moving_q <= moving_q + ($bits(
-          moving_q
-      ))'(start) + ($bits(
-          moving_q
-      ))'(resume) - ($bits(
-          moving_q
-      ))'(end_valid && !step_push);
-    end
-  end
-  assign at_home = inside_q != '0;
-  assign moving  = moving_q != '0;
-  assign idle_o  = !at_home && ra_idle;
-
-  always_comb begin
-    events_o.activity = '0;
-    if (step_q) events_o.activity.works = 1'b1;
-    else if (ra_waits) events_o.activity.memory = 1'b1;
-    else if ((leaf_valid_o && !leaf_ready_i) || (hit_valid_o && !hit_ready_i))
-      events_o.activity.room = 1'b1;
-    else if (moving) events_o.activity.latency = 1'b1;
-    else if (at_home) events_o.activity.results = 1'b1;
-    else events_o.activity.empty = 1'b1;
-
-    events_o.steps                = end_valid;
-    events_o.leaves               = end_valid && end_node.axis == 2'd3 && status == ti_pkg::Ok;
-    events_o.full_leaves          = end_valid && leaf;
-    events_o.restarts             = step_push && restart;
-    // Counted when the ray goes, which a hit in the leaf may keep it from.
-    events_o.restarts_after_tests = resume && resume_restart;
-    events_o.rays                 = free;
-    events_o.cache                = cache_events;
-  end
+  ti_trv_account #(
+    .NumSlots(NumSlots)
+  ) u_account (
+    .clk_i,
+    .rst_ni,
+    .start_i         (start),
+    .free_i          (free),
+    .works_i         (step_q),
+    .memory_i        (ra_waits),
+    .blocked_i       ((leaf_valid_o && !leaf_ready_i) || (hit_valid_o && !hit_ready_i)),
+    .end_i           (end_valid),
+    .again_i         (step_push),
+    .restart_i       (restart),
+    .leaf_i          (end_node.axis == 2'd3 && status == ti_pkg::Ok),
+    .full_leaf_i     (leaf),
+    .resume_i        (resume),
+    .resume_restart_i(resume_restart),
+    .cache_i         (cache_events),
+    .at_home_o       (at_home),
+    .events_o
+  );
+  assign idle_o = !at_home && ra_idle;
 
   if (NumSlots != 2 ** $bits(slot_t)) begin : gen_check_num_slots
     $error("ti_trv: NumSlots must be the configuration's power of two");
