@@ -129,17 +129,14 @@ class RtlEngine final : public Engine {
   /// may follow from its outputs.
   void cycle(std::vector<Answer>& answers) {
     Vti_engine& top = *top_;
+    std::uint64_t sent = 0;  // streams whose ray moves, a bit each
     for (int s = 0; s < config::kStreams; ++s) {
-      if (bit(top.ray_valid_i, s) && bit(top.ray_ready_o, s)) {
-        dealt_[static_cast<std::size_t>(s)].pop_front();
-        set_bit(top.ray_valid_i, s, false);
-        last_event_ = cycle_;
-      }
-      if (bit(top.hit_valid_o, s) && bit(top.hit_ready_i, s)) {
-        take(top, s, answers);
-        last_event_ = cycle_;
-      }
+      set_bit(sent, s, bit(top.ray_valid_i, s) && bit(top.ray_ready_o, s));
+      if (!bit(top.hit_valid_o, s) || !bit(top.hit_ready_i, s)) continue;
+      take(top, s, answers);
+      last_event_ = cycle_;
     }
+    if (sent != 0) last_event_ = cycle_;
     const std::uint64_t answered = take_reads(top, *memory_);
     if (answered != 0) last_event_ = cycle_;
     step(top);
@@ -147,17 +144,21 @@ class RtlEngine final : public Engine {
     ++cycle_;
 
     for (int s = 0; s < config::kStreams; ++s) {
-      offer(top, s);
+      offer(top, s, bit(sent, s));
       set_bit(top.hit_ready_i, s, !stall());
     }
     put_answers(top, *memory_, answered);
     if (cycle_ % 1024 == 0 && options_.progress) options_.progress(counts_.rays, cycle_);
   }
 
-  /// Puts the next ray of a stream on its port, unless one waits there. A stream takes rays in tiles,
-  /// as `ti_core_deal` does, so that rays that lie together meet in one core.
-  void offer(Vti_engine& top, int stream) {
+  /// Puts the next ray of a stream on its port, unless one waits there that was not sent. A stream
+  /// takes rays in tiles, as `ti_core_deal` does, so that rays that lie together meet in one core.
+  void offer(Vti_engine& top, int stream, bool sent) {
     auto& dealt = dealt_[static_cast<std::size_t>(stream)];
+    if (sent) {
+      dealt.pop_front();
+      set_bit(top.ray_valid_i, stream, false);
+    }
     if (bit(top.ray_valid_i, stream) || stall()) return;
     if (dealt.empty()) {
       for (int i = 0; i < config::kCoreTile && !queue_.empty(); ++i) {
@@ -267,10 +268,10 @@ class RtlEngine final : public Engine {
     std::uint64_t hits = 0;
     top.ray_valid_i = 0;
     top.m_axi_rvalid = 0;
-    top.hit_ready_i = static_cast<decltype(top.hit_ready_i)>(~decltype(+top.hit_ready_i){0});
+    for (int s = 0; s < config::kStreams; ++s) set_bit(top.hit_ready_i, s, true);
     for (int i = 0; i < kSilence; ++i) {
-      hits += static_cast<std::uint64_t>(
-          std::popcount(static_cast<std::uint64_t>(top.hit_valid_o)));
+      hits +=
+          static_cast<std::uint64_t>(std::popcount(static_cast<std::uint64_t>(top.hit_valid_o)));
       step(top);
     }
     return hits;
@@ -356,8 +357,8 @@ class RtlEngine final : public Engine {
   };
   std::deque<Ray> queue_;
   std::array<std::deque<Dealt>, config::kStreams> dealt_;  // the first one may be on the port
-  std::uint64_t first_ = 0;  // number of the ray of `came_[0]`
-  std::vector<bool> came_;   // of the rays dealt since all were answered: whether they are
+  std::uint64_t first_ = 0;                                // number of the ray of `came_[0]`
+  std::vector<bool> came_;     // of the rays dealt since all were answered: whether they are
   std::uint64_t missing_ = 0;  // those of `came_` that are not
   std::uint64_t cycle_ = 0;
   std::uint64_t last_event_ = 0;
