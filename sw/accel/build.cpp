@@ -36,7 +36,9 @@ KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& op
                 {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}},
                 options.step_cost,
                 options.test_cost,
+                options.leaf_cost,
                 options.empty_bonus,
+                options.bad_splits,
                 0,
                 0.0,
                 0.0};

@@ -17,6 +17,8 @@ struct BuildOptions {
   Layout layout = Layout::Odfl;
   double step_cost = 1.0;
   double test_cost = 1.5;
+  double leaf_cost = 1.0;  ///< of a visit to a leaf, where a subtree is compared with one
+  int bad_splits = 1;      ///< splits on the way to a cell that may cost more than testing all
   double empty_bonus =
       0.2;  ///< share by which the tests after a split that cuts off empty space cost less
   double depth_base = 16.0;  ///< depth limit = depth_base + depth_factor * log2(n)

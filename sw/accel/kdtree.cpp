@@ -22,9 +22,6 @@ namespace {
 constexpr int kDepthEnd = 96;
 /// The upper part of a cell is a task of its own when it has at least this many triangles.
 constexpr std::size_t kForkSize = 20000;
-/// Splits on the way down to a cell that may cost more than a leaf by the estimate, in the hope of
-/// better ones below.
-constexpr int kBadSplits = 1;
 /// No new id.
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
@@ -272,12 +269,12 @@ double Builder::build(Cell& cell, int depth, int bad_splits) {
   const std::size_t count = cell.fragments.size();
   const bool too_many = count > kMaxLeafCount;
   const double tests_cost = rules_.test_cost * static_cast<double>(count);
-  const double leaf_cost = rules_.step_cost + tests_cost;
+  const double leaf_cost = rules_.leaf_cost + tests_cost;
   Split split;
   if (count > 0 && depth < (too_many ? kDepthEnd : rules_.depth_limit)) split = best_split(cell);
   const bool pays = split.cost < tests_cost;
   if (!pays) ++bad_splits;
-  if (split.axis == 3 || (!too_many && bad_splits > kBadSplits)) {
+  if (split.axis == 3 || (!too_many && bad_splits > rules_.bad_splits)) {
     if (too_many) {
       throw Error("mesh: " + std::to_string(count) + " triangles overlap near (" +
                   std::to_string(cell.box.lo[0]) + ", " + std::to_string(cell.box.lo[1]) + ", " +

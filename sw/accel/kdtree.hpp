@@ -35,7 +35,10 @@ struct KdRules {
   Box box;  ///< the root cell: values of the format, every triangle inside
   double step_cost;
   double test_cost;
+  double leaf_cost;  ///< of a visit to a leaf, where a subtree is compared with one
   double empty_bonus;
+  int bad_splits;  ///< splits on the way to a cell that may cost more than testing all, in the hope
+                   ///< of better ones below
   int depth_limit;
   double min_cell;  ///< thinnest cell
   double dilation;  ///< a triangle belongs to every cell within this distance of it (per axis)

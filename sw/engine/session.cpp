@@ -25,6 +25,9 @@ Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
   BuildOptions build_options;
   build_options.format = options.config.format;
   build_options.layout = options.layout;
+  build_options.test_cost = options.config.tree_test_cost;
+  build_options.leaf_cost = options.config.tree_leaf_cost;
+  build_options.bad_splits = options.config.tree_bad_splits;
   try {
     return build_image(scene.mesh, build_options, stats);
   } catch (const Error& error) {

@@ -3,171 +3,23 @@
 
 import json
 import struct
-from itertools import product
 from pathlib import Path
 
 import cocotb
-import counters
 import pytest
-from agents.axi_memory import DECERR, EXOKAY, OKAY, SLVERR, AxiMemory
+from agents.axi_memory import DECERR, EXOKAY, OKAY, SLVERR
 from agents.bench import run, start
-from agents.stream import Sink, Source, stalls
+from agents.engine import Bench
 from cocotb.triggers import ClockCycles
 from models.numbers import numbers
-from models.payload import configuration, payloads
+from models.payload import configuration
 from models.rays import bad_rays, parallel_rays, ray
-from models.scene import BASE, Scene, rays_through, soup
-from models.traced import tracer
+from models.scene import BASE, soup
+from models.traced import NO_PRIM
 
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
-NO_PRIM = (1 << 32) - 1
 WATCHDOG_STEPS = 40  # few, so that some rays reach it
-PATIENCE = 20_000  # cycles without a hit after which a ray is lost
 HARD_CASES = Path(__file__).resolve().parents[2] / "scenes/hardcases.jsonl"
-
-
-class Bench:
-    """A reset engine, its memory, and one scene at a time."""
-
-    def __init__(self, dut, rng, **memory):
-        self.dut, self.rng = dut, rng
-        self.dut.count_run_i.value = 1
-        self.memories = [AxiMemory(dut, rng, c, **memory) for c in range(configuration()["cores"])]
-        self._next_base = BASE
-        self._ids = set()
-
-    def put_scene(self, triangles, spoil=lambda scene: scene.bytes):
-        """Give the engine a scene at a place in memory that none had before."""
-        scene, base = Scene(triangles), self._next_base
-        self._next_base += len(scene.bytes) + 4096
-        for memory in self.memories:
-            memory.put(base, spoil(scene))
-        sections = {
-            name: getattr(scene, name) - BASE + base
-            for name in ("node_base", "list_base", "plane_base", "bary_base")
-        }
-        lo, hi = scene.box
-        counts = {"num_list": len(scene.ids), "num_records": len(scene.planes)}
-        beat = payloads().pack("scene_t", sections | counts, root=scene.root, box_lo=lo, box_hi=hi)
-        self.dut.scene_i.value = beat
-        keys = configuration()
-        self.tracer = tracer(scene, keys["stack_depth"], keys["watchdog_steps"])
-        return scene
-
-    def forget_scenes(self):
-        """The next scene comes to where the last one was."""
-        self._next_base = BASE
-        for memory in self.memories:
-            memory.clear()
-
-    def ray(self, given, any_hit=0):
-        """A ray under a number that none had before."""
-        ray_id = next(n for n in iter(lambda: self.rng.getrandbits(32), None) if n not in self._ids)
-        self._ids.add(ray_id)
-        return {"ray_id": ray_id, "any_hit": any_hit, **given}
-
-    def rays(self, count):
-        """Closest-hit and any-hit rays through the scene, some with an interval."""
-        n, rng = numbers(), self.rng
-        for o, d in rays_through(rng, count):
-            tmin = n.of(rng.choice((0.0, 0.0, 0.5)))
-            tmax = rng.choice((n.inf, n.inf, n.of(rng.uniform(1, 3))))
-            yield self.ray(ray(o, d, tmin, tmax), any_hit=rng.getrandbits(1))
-
-    def expected(self, given):
-        """(the hit of the model, what the ray did)."""
-        n = numbers()
-        o, d = ([n.float(x) for x in given[k]] for k in "od")
-        tmin, tmax = n.float(given["tmin"]), n.float(given["tmax"])
-        traced = self.tracer.trace(o, d, tmin, tmax, bool(given["any_hit"]))
-        found = traced.prim >= 0
-        hit = {k: getattr(traced, k) for k in ("t", "u", "v", "status")}
-        hit |= {"ray_id": given["ray_id"], "hit": int(found), "steps": traced.hit_steps}
-        return hit | {"prim": traced.prim if found else NO_PRIM}, traced
-
-    async def trace(self, rays, p_valid=1.0, ready=lambda: 1):
-        """Send the rays, take as many hits; by ray id."""
-        sink, source = Sink(self.dut, "hit"), Source(self.dut, "ray")
-        beats = [payloads().pack("ray_t", given) for given in rays]
-        cocotb.start_soon(source.send(beats, stalls(self.rng, 1 - p_valid)))
-        return await self.collect(sink, rays, ready)
-
-    async def collect(self, sink, rays, ready=lambda: 1):
-        beats = await sink.receive(len(rays), ready, PATIENCE)
-        await sink.expect_none(300)
-        hits = [payloads().unpack("hit_t", bits) for bits in beats]
-        assert {hit["ray_id"] for hit in hits} == {given["ray_id"] for given in rays}
-        assert self.in_flight() == 0 and self.dut.idle_o.value == 1
-        return {hit["ray_id"]: hit for hit in hits}
-
-    def check(self, rays, hits):
-        """Every hit is the model's; returns the statuses that came."""
-        for given in rays:
-            want, _ = self.expected(given)
-            assert hits[given["ray_id"]] == want, f"{given}\nmodel {want}"
-        return {hit["status"] for hit in hits.values()}
-
-    def in_flight(self):
-        return sum(memory.in_flight() for memory in self.memories)
-
-    def asked(self):
-        return sum(len(memory.addresses) for memory in self.memories)
-
-    async def count(self, core, index, event):
-        """One counter of a unit, whose number is among all units of the core."""
-        dut = self.dut
-        dut.count_core_i.value, dut.count_unit_i.value, dut.count_event_i.value = core, index, event
-        await ClockCycles(dut.clk_i, 3)
-        return int(dut.count_o.value)
-
-    async def each(self, unit, event):
-        """A counter of all units of a kind, core by core."""
-        table, keys = counters.description(), configuration()
-        numbers_of = counters.counts_of(keys)
-        kinds = list(numbers_of)
-        first = sum(numbers_of[kind] for kind in kinds[: kinds.index(unit)])
-        units = product(range(keys["cores"]), range(first, first + numbers_of[unit]))
-        number = list(counters.events(table, unit)).index(event)
-        return [await self.count(core, index, number) for core, index in units]
-
-    async def counters(self):
-        """{unit: {event: sum over units and cores}}, and the cycles that each unit accounts for."""
-        dut, keys = self.dut, configuration()
-        dut.count_run_i.value = 0
-        table, first, sums, accounts = counters.description(), 0, {}, set()
-        for unit, number in counters.counts_of(keys).items():
-            names = list(counters.events(table, unit))
-            sums[unit] = dict.fromkeys(names, 0)
-            for core, index in product(range(keys["cores"]), range(first, first + number)):
-                own = []
-                for event, name in enumerate(names):
-                    own.append(await self.count(core, index, event))
-                    sums[unit][name] += own[-1]
-                accounts.add(sum(own[: len(table["activity"])]))
-            first += number
-        dut.count_run_i.value = 1
-        return sums, accounts
-
-    async def check_counters(self, rays):
-        """What was counted is what the model did; all units account for as many cycles."""
-        done = [self.expected(given)[1] for given in rays]
-        want = {k: sum(getattr(one, k) for one in done) for k in ("steps", "leaves", "full_leaves")}
-        want["restarts"] = sum(one.restarts for one in done)
-        got, accounts = await self.counters()
-        trv = got["trv"]
-        trv["restarts"] += trv["restarts_after_tests"]
-        assert {k: trv[k] for k in want} == want
-        tests = {k: sum(getattr(one, k) for one in done) for k in ("a_tests", "b_tests", "c_tests")}
-        assert got["list"]["ids"] == got["ist1"]["a_passes"] == tests["a_tests"]
-        assert (got["ist1"]["b_passes"], got["ist2"]["c_passes"]) == (
-            tests["b_tests"],
-            tests["c_tests"],
-        )
-        assert trv["rays"] + got["rd"]["misses"] == got["rd"]["rays"] == len(rays)
-        assert got["axi"]["lines"] == sum(
-            got[unit]["l1_misses"] for unit in ("trv", "list", "ist1")
-        )
-        assert len(accounts) == 1 and min(accounts) > 0, "activities add up to the cycles"
 
 
 @cocotb.test()
@@ -200,15 +52,14 @@ async def a_hit_port_that_waits_for_long_loses_nothing(dut):
     bench = Bench(dut, rng)
     bench.put_scene(soup(rng, 60))
     rays = list(bench.rays(200))
-    source, sink = Source(dut, "ray"), Sink(dut, "hit")
-    task = cocotb.start_soon(source.send([payloads().pack("ray_t", given) for given in rays]))
+    tasks = bench.send(rays)
     await ClockCycles(dut.clk_i, 5000)
     asked = bench.asked()
     await ClockCycles(dut.clk_i, 2000)
-    assert not task.done(), "it cannot hold all these rays"
+    assert not any(task.done() for task in tasks), "it cannot hold all these rays"
     assert bench.asked() == asked, "everything inside waits for the hit port"
 
-    bench.check(rays, await bench.collect(sink, rays))
+    bench.check(rays, await bench.collect(rays))
     await bench.check_counters(rays)
 
 
@@ -297,9 +148,8 @@ async def a_reset_in_the_middle_of_traffic_forgets_all_of_it(dut, after):
     rng = await start(dut)
     bench = Bench(dut, rng, latency=lambda: rng.randint(1, 60))
     bench.put_scene(soup(rng, 120))
-    source, sink = Source(dut, "ray"), Sink(dut, "hit")
-    beats = [payloads().pack("ray_t", given) for given in bench.rays(400)]
-    tasks = [cocotb.start_soon(source.send(beats)), cocotb.start_soon(sink.receive(len(beats)))]
+    rays = list(bench.rays(400))
+    tasks = [*bench.send(rays), cocotb.start_soon(bench.collect(rays))]
     await ClockCycles(dut.clk_i, after)
     for task in tasks:
         task.cancel()
@@ -311,7 +161,8 @@ async def a_reset_in_the_middle_of_traffic_forgets_all_of_it(dut, after):
     assert dut.hit_valid_o.value == 0 and int(dut.m_axi_arvalid.value) == 0
     dut.rst_ni.value = 1
     await ClockCycles(dut.clk_i, 1)
-    await Sink(dut, "hit").expect_none(200)
+    bench = bench.after_reset()
+    await bench.expect_no_hit(200)
     assert bench.in_flight() == 0 and dut.idle_o.value == 1
 
     bench.put_scene(soup(rng, 120))
@@ -360,14 +211,13 @@ async def a_flush_waits_for_rays_and_makes_another_scene_at_the_same_place_seen(
     for _ in range(4):
         bench.put_scene(soup(rng, 40))
         rays = list(bench.rays(100))
-        source, sink = Source(dut, "ray"), Sink(dut, "hit")
-        beats = [payloads().pack("ray_t", given) for given in rays]
-        sending = cocotb.start_soon(source.send(beats))
-        hits = cocotb.start_soon(bench.collect(sink, rays, lambda: rng.random() < 0.5))
-        await sending
+        sending = bench.send(rays)
+        hits = cocotb.start_soon(bench.collect(rays, lambda: rng.random() < 0.5))
+        for task in sending:
+            await task
         dut.flush_i.value = 1
         await ClockCycles(dut.clk_i, 1)
-        dut.ray_valid_i.value = 1  # nobody takes it
+        dut.ray_valid_i.value = (1 << len(bench.streams)) - 1  # nobody takes them
         for _ in range(rng.randint(1, 30)):
             await ClockCycles(dut.clk_i, 1)
             assert dut.ray_ready_o.value == 0, "no ray is accepted during a flush"
@@ -387,11 +237,12 @@ async def a_new_scene_waits_for_the_rays_of_the_old_one(dut):
     bench.put_scene(soup(rng, 60))
     for _ in range(4):
         rays = list(bench.rays(30))  # nobody takes hits, so they must all have room inside
-        await Source(dut, "ray").send([payloads().pack("ray_t", given) for given in rays])
+        for task in bench.send(rays):
+            await task
         want = {given["ray_id"]: bench.expected(given)[0] for given in rays}
         bench.put_scene(soup(rng, 60))
         assert dut.idle_o.value == 0
-        assert await bench.collect(Sink(dut, "hit"), rays) == want
+        assert await bench.collect(rays) == want
 
 
 @cocotb.test()
@@ -478,10 +329,16 @@ SOME = "every_ray|hit_port|share=0.3|after=333|stay|dropped|flush|corrupt|new_sc
 SHAPES = {
     "tiny": ("", None),
     "cores": (
-        "cores=2 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=2 rd_cycles=1",
+        "cores=2 streams=1 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=2 "
+        "rd_cycles=1 trv_l2_bytes=2048 trv_l2_banks=2 trv_l2_ways=2 ist1_l2_bytes=1024 "
+        "l2_latency=9 ist1_l2_ways=1 ist1_spill=3",
         SOME,
     ),
-    "short_lines": ("num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4 rd_cycles=2", SOME),
+    "short_lines": (
+        "cores=2 num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4 rd_cycles=2 "
+        "interval_cull=false ist1_choice=slot list_l2_bytes=256 list_l2_ways=2 list_l2_rows=2",
+        SOME,
+    ),
     "format": (
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
         "fp_add_stages=6 fp_mul_stages=5 fp_rcp_bits_per_stage=1 ring_delays=0 sync_reset=0",
