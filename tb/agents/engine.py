@@ -153,7 +153,7 @@ class Bench:
         kinds = list(numbers_of)
         first = sum(numbers_of[kind] for kind in kinds[: kinds.index(unit)])
         units = product(range(keys["cores"]), range(first, first + numbers_of[unit]))
-        number = list(counters.events(table, unit)).index(event)
+        number = list(counters.events(table, counters.kinds(table)[unit])).index(event)
         return [await self.count(core, index, number) for core, index in units]
 
     async def counters(self):
@@ -162,7 +162,7 @@ class Bench:
         dut.count_run_i.value = 0
         table, first, sums, accounts = counters.description(), 0, {}, set()
         for unit, number in counters.counts_of(keys).items():
-            names = list(counters.events(table, unit))
+            names = list(counters.events(table, counters.kinds(table)[unit]))
             sums[unit] = dict.fromkeys(names, 0)
             for core, index in product(range(keys["cores"]), range(first, first + number)):
                 own = []
