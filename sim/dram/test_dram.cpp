@@ -224,13 +224,13 @@ TEST_CASE("a row that is open is read sooner than one that has to be opened, or 
   const std::uint64_t hit = bench.latency(8 * kLine);  // the next line of the channel
   const std::uint64_t miss = bench.latency(8 * kRow);  // another row of its bank
 
-  // CL and the burst are 17 ns, tRCD 15, tRP 13; in cycles of 2 ns, and up to 4 of hand-over.
-  CHECK(hit >= 9);
-  CHECK(hit <= 13);
-  CHECK(closed >= hit + 7);
-  CHECK(closed <= hit + 9);
-  CHECK(miss >= closed + 6);
-  CHECK(miss <= closed + 8);
+  // CL and the burst are 14 ns, tRCD 12, tRP 10; in cycles of 2 ns, and up to 4 of hand-over.
+  CHECK(hit >= 7);
+  CHECK(hit <= 11);
+  CHECK(closed >= hit + 5);
+  CHECK(closed <= hit + 7);
+  CHECK(miss >= closed + 4);
+  CHECK(miss <= closed + 6);
   CHECK(bench.memory->dram()->reads == 3);
   CHECK(bench.memory->dram()->row_hits == 1);
 }
@@ -270,8 +270,8 @@ TEST_CASE("one channel gives an eighth of it, and rows of one bank far less") {
   CHECK(channel <= 16.0);
   CHECK(channel > 0.85 * 16.0);
   const double bank = bandwidth(64, of_one_bank);
-  CHECK(bank < 64.0 / 45.0 + 0.01);  // a line each tRC
-  CHECK(bank > 0.85 * 64.0 / 45.0);
+  CHECK(bank < 64.0 / 35.0 + 0.01);  // a line each tRC
+  CHECK(bank > 0.85 * 64.0 / 35.0);
 }
 
 TEST_CASE("refreshes come every 3.9 us in each channel, with and without work") {
