@@ -6,7 +6,7 @@ Walks the instances of `ti_engine` as the compiler slang elaborates them and sum
 unit, the instances of `ti_fp_add`, `ti_fp_mul`, `ti_fp_rcp` and `ti_fp_cmp` and the bits of
 everything that an `always_ff` assigns.  The operators stand beside the published core (Nah et al.
 2011), whose counts for one unit are the budget, but for the reciprocals of RD; the memory beside
-its register files and first-level caches.
+its register files and caches.
 
 Exit status: 0 within the budget and what `agreed` allows, 1 when a unit has more operators, 2 when
 the design cannot be read.
@@ -63,6 +63,8 @@ STORES = {
     "counters": "counters of events",
     "l1_lines": "L1 lines",
     "l1_tags": "L1 tags and state",
+    "l2_lines": "L2 lines",
+    "l2_tags": "L2 tags and state",
 }
 # What the published core calls register files; its registers and counters are not given.
 REGISTER_FILES = ("slots", "queues", "delays", "arrays")
@@ -178,7 +180,8 @@ def store_kind(modules: list[str], instance: str, name: str, is_array: bool) -> 
     if module == "ti_counters":
         return "counters"
     if "ti_l1" in modules and not (module == "ti_ram_1r1w" and not is_array):
-        return "l1_lines" if instance == "u_lines" else "l1_tags"
+        level = "l2" if "ti_l2_bank" in modules else "l1"
+        return f"{level}_lines" if instance == "u_lines" else f"{level}_tags"
     if module == "ti_delay":
         return "delays"
     if not is_array:
@@ -292,7 +295,7 @@ def print_table(name: str, numbers: dict, config: dict) -> None:
         (" + ".join(REGISTER_FILES), files, "register files"),
         ("the same with registers", files + bits["registers"], ""),
         ("l1_lines", bits["l1_lines"], "L1"),
-        ("L2, not there yet", 0, "L2"),
+        ("l2_lines", bits["l2_lines"], "L2"),
     ]
     print(f"\n{'KB':34}{'ours':>8}{'published':>11}")
     for what, ours, theirs in rows:

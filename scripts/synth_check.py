@@ -51,6 +51,12 @@ PARAMETERS = {
     "ti_kd_state": {"NumSlots": "trv_slots", "StackDepth": "stack_depth"},
     "ti_ra": cached("ist1"),
     "ti_l1": {"CacheBytes": "ist1_l1_bytes", "Ways": "ist1_l1_ways"},
+    "ti_l2_bank": {
+        "NumUnits": "num_trv",
+        "UnitIds": "trv_rows",
+        "NumBanks": "trv_l2_banks",
+        "Ways": "trv_l2_ways",
+    },
     "ti_list": cached("list"),
     "ti_ist1": cached("ist1"),
 }

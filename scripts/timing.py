@@ -39,6 +39,7 @@ UNITS = (
     "ti_ist2",
     "ti_ra",
     "ti_l1",
+    "ti_l2_bank",
     "ti_memory",
     "ti_axi_read",
     "ti_core_deal",

@@ -19,10 +19,10 @@ module ti_l2 #(
   /// A power of two.
   parameter int unsigned NumBanks = 1,
   /// Of all banks together.
-  parameter int unsigned CacheBytes = 4096,
-  parameter int unsigned Ways = 4,
+  parameter int unsigned CacheBytes = 1024,
+  parameter int unsigned Ways = 2,
   /// Lines on their way to a bank.
-  parameter int unsigned Rows = 4,
+  parameter int unsigned Rows = 2,
   /// Cycles from a request to its answer on a hit, 4 or more.
   parameter int unsigned Latency = 20
 ) (
@@ -55,6 +55,9 @@ module ti_l2 #(
   localparam int unsigned BankWidth = (NumBanks > 1) ? $clog2(NumBanks) : 1;
   localparam int unsigned UnitWidth = (NumUnits > 1) ? $clog2(NumUnits) : 1;
   localparam int unsigned CrossLatency = 1;
+  // Values that the checks below refuse must not stop elaboration in another way.
+  localparam int unsigned BankLatency = (Latency > CrossLatency) ? Latency - CrossLatency : 0;
+  localparam int unsigned BankBytes = CacheBytes / ((NumBanks > 0) ? NumBanks : 1);
   typedef logic [BankWidth-1:0] bank_t;
   typedef logic [UnitWidth-1:0] unit_t;
 
@@ -104,10 +107,10 @@ module ti_l2 #(
       .NumUnits  (NumUnits),
       .UnitIds   (UnitIds),
       .NumBanks  (NumBanks),
-      .CacheBytes(CacheBytes / NumBanks),
+      .CacheBytes(BankBytes),
       .Ways      (Ways),
       .Rows      (Rows),
-      .Latency   (Latency - CrossLatency)
+      .Latency   (BankLatency)
     ) u_bank (
       .clk_i,
       .rst_ni,
@@ -162,7 +165,11 @@ module ti_l2 #(
     assign line_rsp_data_o[u] = rsp[index];
     assign taken[u] = (any && line_rsp_ready_i[u]) ? NumBanks'(1) << index : '0;
 
-    `TI_ASSERT(OutHeldUntilTaken, any && !line_rsp_ready_i[u] |=> any && $stable(rsp[index]))
+    // Names of the module: of a name of this block, Verilator takes $stable for that of block 0.
+    `TI_ASSERT(OutHeldUntilTaken,
+               line_rsp_valid_o[u] && !line_rsp_ready_i[u] |=> line_rsp_valid_o[u] && $stable(
+                   line_rsp_data_o[u]
+               ))
   end
 
   always_comb begin
@@ -173,8 +180,14 @@ module ti_l2 #(
   if (NumBanks < 1 || (NumBanks & (NumBanks - 1)) != 0) begin : gen_check_banks
     $error("ti_l2: NumBanks must be a power of two");
   end
-  if (CacheBytes % NumBanks != 0) begin : gen_check_cache_bytes
+  if (BankBytes * NumBanks != CacheBytes) begin : gen_check_cache_bytes
     $error("ti_l2: CacheBytes must divide into NumBanks banks");
+  end
+  if (NumUnits < 1) begin : gen_check_units
+    $error("ti_l2: NumUnits must be 1 or more");
+  end
+  if (Latency < 4) begin : gen_check_latency
+    $error("ti_l2: Latency must be 4 or more");
   end
 
   `TI_ASSERT(AnswersOneUnit, (rsp_ready & ~rsp_valid) == '0)

@@ -17,9 +17,9 @@ module ti_l2_bank #(
   parameter int unsigned UnitIds = 2,
   /// Banks beside this one and itself, a power of two.
   parameter int unsigned NumBanks = 1,
-  parameter int unsigned CacheBytes = 4096,
-  parameter int unsigned Ways = 4,
-  parameter int unsigned Rows = 4,
+  parameter int unsigned CacheBytes = 1024,
+  parameter int unsigned Ways = 2,
+  parameter int unsigned Rows = 2,
   /// Cycles from a request to its answer on a hit, 3 or more.
   parameter int unsigned Latency = 19,
   localparam int unsigned UnitWidth = (NumUnits > 1) ? $clog2(NumUnits) : 1
@@ -52,7 +52,8 @@ module ti_l2_bank #(
 
   localparam int unsigned RaLatency = 2;
   localparam int unsigned QueueLatency = 1;
-  localparam int unsigned DelayCycles = Latency - QueueLatency - RaLatency;
+  localparam int unsigned LeastLatency = QueueLatency + RaLatency;
+  localparam int unsigned DelayCycles = (Latency > LeastLatency) ? Latency - LeastLatency : 0;
   // Requests on their way to the look-up: enough for one a cycle.
   localparam int unsigned Depth = DelayCycles + QueueLatency + 1;
   localparam int unsigned CountWidth = $clog2(Depth + 1);
@@ -193,7 +194,7 @@ module ti_l2_bank #(
   begin : gen_check_banks
     $error("ti_l2_bank: NumBanks must be a power of two, less than the lines of memory");
   end
-  if (Latency < QueueLatency + RaLatency) begin : gen_check_latency
+  if (Latency < LeastLatency) begin : gen_check_latency
     $error("ti_l2_bank: Latency must be 3 or more");
   end
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The units in front of the line ports of a `ti_lines` or a `ti_memory`."""
+"""The units in front of the line ports of a `ti_lines`, a `ti_l2` or a `ti_memory`."""
+
+from dataclasses import dataclass
 
 from agents.bench import cycle
 from agents.memory import line_data
@@ -7,34 +9,67 @@ from cocotb.triggers import ReadOnly, RisingEdge
 from models.payload import configuration, payloads
 
 
-class LinePorts:
-    """Unit u asks `left[u]` times for random lines, under each id at most once at a time.
+@dataclass(eq=False)
+class Asked:
+    """A request, with the cycles of its life."""
 
-    `gap()` says whether a unit stays idle instead of offering its next request, `ready(u)` is the
-    ready bit of its answers in each cycle, `bad(line)` whether the answer must be an error.
+    unit: int
+    line: int
+    taken: int
+    shown: int = None  # the answer stands at the port
+    answered: int = None  # and has been taken
+    error: bool = None
+
+
+class LinePorts:
+    """Unit u asks `left[u]` times, under each of its ids at most once at a time.
+
+    It asks for `line(u)`, by default a random line that nobody has asked for yet.  `gap()` says
+    whether a unit stays idle instead of offering its next request, `ready(u)` is the ready bit of
+    its answers in each cycle, `bad(line)` whether the answer must be an error; None: it may be.
+    `see()` looks at each settled cycle, before what happens in it counts.
     """
 
-    def __init__(self, dut, rng):
+    def __init__(self, dut, rng, ids=None):
         self._dut, self._rng = dut, rng
-        self._ids = 1 << payloads().width("row_id_t")
         self._line_bytes = configuration()["line_bytes"]
         self.num = len(dut.line_req_valid_i)
         self.lines = 1 << payloads().width("line_addr_t")
-        self._free = [set(range(self._ids)) for _ in range(self.num)]
+        every_id = range(ids or 1 << payloads().width("row_id_t"))
+        self._free = [set(every_id) for _ in range(self.num)]
         self._offer = [None] * self.num  # (id, line)
-        self._asking = {}  # (unit, id) -> line, from taken to answered
+        self._asking = {}  # (unit, id) -> Asked, from taken to answered
         self._shown = [None] * self.num  # the answer that was not taken
         self._waited = [0] * self.num
         self.left = [0] * self.num
         self.gap = lambda: False
         self.ready = lambda unit: True
         self.bad = lambda line: False
-        self.unit_of = {}  # line -> unit; no line is asked for twice
+        self.line = self._new_line
+        self.see = lambda: None
+        self.requests = []  # Asked, in the order taken
+        self.unit_of = {}  # line -> unit that asked for it last
         self.taken = []  # (unit, line) in the order taken
         self.passed = []  # of each request: how many others were taken while it waited
         self.taken_at, self.answered_at = [], []  # cycles
         self.answered = [0] * self.num
         self.errors = 0
+
+    def set_ids(self, unit, ids):
+        """The unit asks under the ids from 0 to `ids` - 1."""
+        self._free[unit] = set(range(ids))
+
+    def in_flight(self):
+        """How many requests have been taken and not answered."""
+        return len(self._asking)
+
+    def asking(self):
+        """The unit of each of these requests."""
+        return [unit for unit, _ in self._asking]
+
+    def may_ask(self, unit):
+        """Whether the unit has an id and no request that waits."""
+        return bool(self._free[unit]) and self._offer[unit] is None
 
     def busy(self):
         return any(self.left) or any(self._offer) or bool(self._asking)
@@ -52,6 +87,7 @@ class LinePorts:
             ready = [bool(self.ready(unit)) for unit in range(self.num)]
             self._drive(ready)
             await ReadOnly()
+            self.see()
             for unit in range(self.num):
                 self._see_answer(unit, ready[unit])
             self._see_requests()
@@ -75,11 +111,15 @@ class LinePorts:
         self._dut.line_rsp_ready_i.value = sum(bit << unit for unit, bit in enumerate(ready))
 
     def _request(self, unit):
+        line = self.line(unit)
+        self.unit_of[line] = unit
+        return self._rng.choice(sorted(self._free[unit])), line
+
+    def _new_line(self, unit):
         line = self._rng.choice([0, self.lines - 1, self._rng.randrange(self.lines)])
         while line in self.unit_of:
             line = self._rng.randrange(self.lines)
-        self.unit_of[line] = unit
-        return self._rng.choice(sorted(self._free[unit])), line
+        return line
 
     def _see_requests(self):
         ready = int(self._dut.line_req_ready_o.value)
@@ -89,7 +129,8 @@ class LinePorts:
                 identity, line = self._offer[unit]
                 self._offer[unit] = None
                 self._free[unit].remove(identity)
-                self._asking[unit, identity] = line
+                self._asking[unit, identity] = Asked(unit, line, cycle())
+                self.requests.append(self._asking[unit, identity])
                 self.taken.append((unit, line))
                 self.taken_at.append(cycle())
                 self.passed.append(self._waited[unit])
@@ -104,13 +145,16 @@ class LinePorts:
         bits = int(self._dut.line_rsp_data_o[unit].value)
         assert self._shown[unit] in (None, bits), f"unit {unit}: an answer changed"
         self._shown[unit] = None if ready else bits
-        if not ready:
-            return
         answer = payloads().unpack("line_rsp_t", bits)
         identity = answer["id"]
         assert (unit, identity) in self._asking, f"unit {unit} has asked nothing under {identity}"
-        line = self._asking.pop((unit, identity))
-        assert answer["error"] == self.bad(line), f"line {line:#x}"
+        asked = self._asking[unit, identity]
+        asked.shown = asked.shown or cycle()
+        if not ready:
+            return
+        del self._asking[unit, identity]
+        asked.answered, asked.error, line = cycle(), answer["error"] == 1, asked.line
+        assert self.bad(line) in (None, asked.error), f"line {line:#x}"
         if not answer["error"]:
             assert answer["data"] == line_data(line, self._line_bytes), f"line {line:#x}"
         self.errors += answer["error"]

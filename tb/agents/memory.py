@@ -67,6 +67,10 @@ class LineMemory:
         """Lines that wait for `release`, in the order of their requests."""
         return [line for when, _, line in self._waiting if when is None]
 
+    def on_their_way(self):
+        """Lines that have been asked for and not answered."""
+        return [line for _, _, line in self._waiting]
+
     def identity_of(self, line):
         """The identity under which `line` is on its way."""
         return next(identity for _, identity, held in self._waiting if held == line)

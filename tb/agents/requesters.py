@@ -45,13 +45,13 @@ class Requesters:
     `gap()` says whether to stay idle instead of offering the next request, `ready()` is the ready
     bit of the answers.  Which requests must hit, merge or miss follows from the model of the cache
     and from the answers that the memory gave; whether the unit is idle, or waits for a line, from
-    what is in flight.
+    what is in flight.  The methods under "the ports of the unit" are all that knows its ports.
     """
 
     def __init__(self, dut, memory, rng):
         self._dut, self._memory, self._rng = dut, memory, rng
-        self.num_slots, self.rows = int(dut.NumSlots.value), int(dut.Rows.value)
-        self.line_bytes, self.elem_bytes = configuration()["line_bytes"], int(dut.ElemBytes.value)
+        self.rows, self.line_bytes = int(dut.Rows.value), configuration()["line_bytes"]
+        self.num_slots, self.elem_bytes = self._shape()
         self.ways = int(dut.Ways.value)
         self.sets = int(dut.CacheBytes.value) // (self.ways * self.line_bytes)
         self.gap = lambda: False
@@ -59,7 +59,7 @@ class Requesters:
         self.counts = Counter()
         self._cache = Cache(self.sets, self.ways)
         self._wishes = deque()
-        self._free = set(range(self.num_slots))
+        self._free = set(self._slots())
         self._offer = None
         self._undecided = deque()
         self._in_flight = {}  # slot -> ticket, from taken to done
@@ -110,6 +110,10 @@ class Requesters:
         """Whether the unit holds a request that it cannot decide on."""
         return bool(self._undecided)
 
+    def in_flight(self):
+        """How many requests have been taken and not answered."""
+        return len(self._in_flight)
+
     def finish(self):
         """Check the sums when everything is over."""
         assert not self._in_flight and not self._rows and not self._wishes
@@ -136,8 +140,7 @@ class Requesters:
             self._offer.slot = self._rng.choice(sorted(self._free))
         dut.req_valid_i.value = self._offer is not None
         if self._offer is not None:
-            dut.req_slot_i.value = self._offer.slot
-            dut.req_addr_i.value = self._offer.addr
+            self._put(self._offer)
         dut.rsp_ready_i.value = int(self.ready())
 
     def _see_state(self):
@@ -145,7 +148,8 @@ class Requesters:
         dut = self._dut
         assert dut.idle_o.value == (not self._in_flight), f"{len(self._in_flight)} in flight"
         on_their_way = [row for row in self._rows if row.answered is None]
-        assert dut.waits_o.value == bool(on_their_way), f"{len(on_their_way)} lines on their way"
+        waits = self._says_it_waits()
+        assert waits in (None, bool(on_their_way)), f"{len(on_their_way)} lines on their way"
         assert dut.line_rsp_ready_o.value == 1, "line answers are always taken"
 
     def _see_request(self):
@@ -158,9 +162,9 @@ class Requesters:
             self._undecided.append(ticket)
 
     def _see_event(self):
-        events = payloads().unpack("cache_events_t", int(self._dut.events_o.value))
+        access, events = self._events()
         seen = [kind for event, kind in EVENTS.items() if events[event]]
-        if not events["l1_accesses"]:
+        if not access:
             assert not seen, f"{seen} without an access"
             return
         assert len(seen) == 1 and self._undecided, f"access with {seen}"
@@ -169,15 +173,16 @@ class Requesters:
         ticket.kind, ticket.decided = seen[0], cycle()
         line = ticket.addr // self.line_bytes
         row = next((r for r in self._rows if r.line == line and r.answered is None), None)
-        there = self._cache.way_of(line) is not None
+        there = self._cache.way_of(self._inside(line)) is not None
         want = "merged" if row else "hit" if there else "miss"
         assert ticket.kind == want, f"line {line:#x}: {ticket.kind}, must be {want}"
         if ticket.kind == "hit":
-            self._cache.touch(line)
+            self._cache.touch(self._inside(line))
             return
         if ticket.kind == "miss":
-            assert len(self._rows) < self.rows and self._cache.victim(line) is not None
-            row = Row(line, self._cache.alloc(line))
+            inside = self._inside(line)
+            assert len(self._rows) < self.rows and self._cache.victim(inside) is not None
+            row = Row(line, self._cache.alloc(inside))
             self._rows.append(row)
         row.waiting.add(ticket)
         ticket.row = row
@@ -187,14 +192,14 @@ class Requesters:
             _, line, error = self._memory.answered[-1]
             row = next(r for r in self._rows if r.line == line and r.answered is None)
             row.answered, row.error = cycle(), error
-            self._cache.fill(row.place, None if error else line)
+            self._cache.fill(row.place, None if error else self._inside(line))
 
     def _see_response(self):
         dut = self._dut
         if dut.rsp_valid_o.value == 0:
             assert self._shown is None, "an answer went away before it was taken"
             return
-        slot = int(dut.rsp_slot_o.value)
+        slot = self._slot()
         assert slot in self._in_flight, f"an answer for slot {slot}, which has asked nothing"
         ticket = self._in_flight[slot]
         assert self._shown in (None, ticket), "an answer changed before it was taken"
@@ -220,11 +225,44 @@ class Requesters:
             self._cache.unpin(row.place)
 
     def _check(self, ticket):
-        ticket.error = self._dut.rsp_error_o.value == 1
+        error, got = self._answer()
+        ticket.error = error
         assert ticket.error == (ticket.row is not None and ticket.row.error), f"{ticket.addr:#x}"
         if not ticket.error:
             data = line_data(ticket.addr // self.line_bytes, self.line_bytes)
             elem = ticket.addr % self.line_bytes // self.elem_bytes
             want = data >> 8 * self.elem_bytes * elem & ((1 << 8 * self.elem_bytes) - 1)
-            got = int(self._dut.rsp_elem_o.value)
             assert got == want, f"{ticket.addr:#x} ({ticket.kind}): {got:#x}, must be {want:#x}"
+
+    # --- The ports of the unit ---
+
+    def _shape(self):
+        """Number of slots and bytes of an answer."""
+        return int(self._dut.NumSlots.value), int(self._dut.ElemBytes.value)
+
+    def _slots(self):
+        return range(self.num_slots)
+
+    def _inside(self, line):
+        """The number of a line in the cache of the unit."""
+        return line
+
+    def _put(self, ticket):
+        self._dut.req_slot_i.value = ticket.slot
+        self._dut.req_addr_i.value = ticket.addr
+
+    def _slot(self):
+        return int(self._dut.rsp_slot_o.value)
+
+    def _answer(self):
+        """Error and bytes of the answer at the port; the bytes may be anything with an error."""
+        return self._dut.rsp_error_o.value == 1, int(self._dut.rsp_elem_o.value)
+
+    def _events(self):
+        """Whether a request is decided in this cycle, and the events of that."""
+        events = payloads().unpack("cache_events_t", int(self._dut.events_o.value))
+        return events["l1_accesses"], events
+
+    def _says_it_waits(self):
+        """Whether the unit says that it waits for a line; None: it does not say."""
+        return self._dut.waits_o.value == 1

@@ -276,6 +276,16 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("trv_l1_bytes=1536", "128, times a power of two"),
         ("list_l1_bytes=64", "128, times a power of two"),
         ("ist1_rows=9", "1 to ist1_slots, 8"),
+        ("l2_latency=3", "4 to 256"),
+        ("l2_latency=257", "4 to 256"),
+        ("trv_l2_bytes=-1", "0 to 67108864"),
+        ("trv_l2_bytes=3072", "trv_l2_ways * trv_l2_banks, 2048, times a power of two"),
+        ("ist1_l2_bytes=1024", "ist1_l2_ways * ist1_l2_banks, 2048, times a power of two"),
+        ("list_l2_bytes=1536", "line_bytes * list_l2_ways, 512, times a power of two"),
+        ("list_l2_ways=3", "power of two from 1 to 16"),
+        ("trv_l2_banks=3", "power of two from 1 to 32"),
+        ("trv_l2_banks=64", "power of two from 1 to 32"),
+        ("ist1_l2_rows=0", "1 to 256"),
         ("list_rows=0", "1 to 256"),
         ("watchdog_steps=65536", "1 to 65535"),
         ("addr_bits=20", "21 to 64"),
@@ -293,6 +303,13 @@ def test_an_impossible_value_names_file_key_and_range(override, allowed, tmp_pat
     result = script("tiny", override, "--out", out)
     refused(result, out, "tiny.yaml", allowed)
     assert re.search(rf"\b{override.split('=')[0]}\b", result.stderr)
+
+
+def test_a_kind_without_an_l2_may_have_any_shape_of_one():
+    values = configure.load(
+        "tiny", ["trv_l2_ways=16", "trv_l2_banks=32", "list_l2_bytes=512"]
+    ).values
+    assert (values["trv_l2_bytes"], values["list_l2_bytes"]) == (0, 512)
 
 
 def test_an_adder_deeper_than_the_reciprocal_is_named(tmp_path):
@@ -368,11 +385,10 @@ def test_one_machine_has_one_engine():
 @pytest.mark.parametrize("key", [key.name for key in SCHEMA.keys.values() if key.hardware])
 def test_every_key_of_the_rtl_makes_another_machine(key):
     rule, value = SCHEMA.keys[key], configure.load("tiny").values[key]
-    other = (
-        not value
-        if rule.kind == "bool"
-        else next(v for v in (value * 2, value + 1, value // 2, value - 1) if rule.allows(v))
+    others = {"bool": lambda: [not value], "enum": lambda: rule.values}.get(
+        rule.kind, lambda: [value * 2, value + 1, value // 2, value - 1]
     )
+    other = next(v for v in others() if rule.allows(v) and v != value)
     a = configure.Configuration(SCHEMA, Path("a.yaml"), SCHEMA.defaults() | {key: value}, {})
     b = configure.Configuration(SCHEMA, Path("a.yaml"), SCHEMA.defaults() | {key: other}, {})
 

@@ -16,11 +16,13 @@ ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts/counters.py"
 TABLE = ROOT / "docs/counters.md"
 UNITS = list(counters.description()["units"])
-CONFIGS = ["tiny", "small", "paper"]
+KINDS = counters.kinds(counters.description())  # of units, each with its unit of the table
+CONFIGS = ["tiny", "small", "paper", "tiny list_l2_bytes=2048 list_l2_banks=2"]
 
 
 def config_of(name):
-    return configure.load(name).values
+    name, *overrides = name.split()
+    return configure.load(name, overrides).values
 
 
 def in_order(kind, prefix=""):
@@ -32,9 +34,18 @@ def in_order(kind, prefix=""):
 
 
 def rows():
-    """(unit, number, name, meaning) of each line of the table."""
-    line = re.compile(r"\| `?(\w+)`? \| (\d+) \| `(\w+)` \| (.*) \|")
-    return [(m[1], int(m[2]), m[3], m[4]) for m in line.finditer(TABLE.read_text())]
+    """(kinds of units, number, name, meaning) of each line of the table."""
+    line = re.compile(r"\| (every|`\w+`(?:, `\w+`)*) \| (\d+) \| `(\w+)` \| (.*) \|")
+    return [
+        (re.findall(r"\w+", m[1]), int(m[2]), m[3], m[4]) for m in line.finditer(TABLE.read_text())
+    ]
+
+
+def units_of(config, kind):
+    """How many units of a kind there are; the banks of an L2 where there is one."""
+    if kind.endswith("_l2"):
+        return config[f"{kind}_banks"] if config[f"{kind}_bytes"] else 0
+    return config.get(f"num_{kind}", 1)
 
 
 def script(*arguments):
@@ -50,10 +61,10 @@ def test_bit_i_of_the_struct_is_event_i(unit):
     assert in_order(kind) == list(counters.events(counters.description(), unit))
 
 
-@pytest.mark.parametrize("unit", UNITS)
+@pytest.mark.parametrize("unit", KINDS)
 def test_the_table_has_the_numbers_and_names_of_the_package(unit):
-    kind = Payloads(config_of("tiny"))._types[f"{unit}_events_t"]
-    table = {number: name for owner, number, name, _ in rows() if owner in ("every", unit)}
+    kind = Payloads(config_of("tiny"))._types[f"{KINDS[unit]}_events_t"]
+    table = {number: name for owners, number, name, _ in rows() if {"every", unit} & {*owners}}
 
     assert [table[i] for i in range(len(table))] == in_order(kind)
 
@@ -64,7 +75,7 @@ def test_every_event_of_the_source_is_explained_in_the_table():
 
     for group in (source["activity"], source["cache"], *source["units"].values()):
         for name, text in group.items():
-            assert name == "cache" or (name, text) in texts
+            assert name in ("cache", "of") or (name, text) in texts
 
 
 @pytest.mark.parametrize("name", CONFIGS)
@@ -75,15 +86,17 @@ def test_package_and_header_agree(name):
     entries = {m[1]: (int(m[2]), int(m[3]), m[4]) for m in entry.finditer(header)}
     first = 0
 
-    assert list(entries) == UNITS
+    assert list(entries) == list(KINDS)
     for unit, (number, count, names) in entries.items():
         names = re.findall(r'"(\w+)"', names)
-        assert names == list(counters.events(counters.description(), unit))
-        assert f"Unit{unit.capitalize()} = {number};" in package
-        assert f"Num{unit.capitalize()}Events = {len(names)};" in package
-        assert number == first and count == config.get(f"num_{unit}", 1)
+        assert names == list(counters.events(counters.description(), KINDS[unit]))
+        assert f"Unit{counters.camel(unit)} = {number};" in package
+        assert f"Num{counters.camel(KINDS[unit])}Events = {len(names)};" in package
+        assert number == first and count == units_of(config, unit)
         first += count
     assert f"NumUnits = {first};" in package
+    banks = sum(entries[kind][1] for kind in ("trv_l2", "list_l2", "ist1_l2"))
+    assert list(entries)[-1] == "axi" and entries["axi"][0] == entries["trv_l2"][0] + banks
     assert f"kActivities = {len(counters.description()['activity'])};" in header
 
 

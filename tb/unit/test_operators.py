@@ -2,6 +2,7 @@
 """`scripts/operators.py` counts what the elaborated engine has; one operator too many fails."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -62,20 +63,43 @@ def test_a_reciprocal_more_than_lanes_fails(tmp_path, ray_cycles):
     assert f"{5 - ray_cycles} RCP" in done.stderr and "RD" in done.stderr
 
 
+def test_l2_lines_of_paper_stand_beside_the_published(tmp_path):
+    done, numbers = count(tmp_path, "paper")
+    assert numbers["total"]["bits"]["l2_lines"] == 288 * 8192
+    assert re.search(r"^l2_lines +288\.0 +288 L2$", done.stdout, re.MULTILINE), done.stdout
+
+
 def test_budget_of_paper_is_the_published_total(tmp_path):
     _, numbers = count(tmp_path, "paper")
     assert numbers["total"]["published"] == {"ADD": 86, "MUL": 92, "RCP": 2, "CMP": 108}
 
 
-@pytest.mark.parametrize("config", ["paper", "tiny"])
+READERS = ("trv", "list", "ist1")
+
+
+def tags_of(keys, cache, banks=1):
+    """Bits of tags, valid, pinned, LRU and the write seen early of one cache, over its banks."""
+    size, ways = keys[f"{cache}_bytes"] // banks, keys[f"{cache}_ways"]
+    sets = size // (ways * keys["line_bytes"])
+    tag = keys["addr_bits"] - (keys["line_bytes"] - 1).bit_length() - (sets - 1).bit_length()
+    state = sets * (2 * ways + max(ways - 1, 1))
+    return banks * (ways * tag * (max(sets, 2) + 1) + 1 + state)
+
+
+@pytest.mark.parametrize("config", ["paper", "tiny", "tiny ist1_l2_bytes=8192 ist1_l2_banks=2"])
 def test_memory_is_what_the_configuration_asks_for(tmp_path, config):
     _, numbers = count(tmp_path, config)
-    keys = numbers["config"]
-    lines = sum(keys[f"num_{u}"] * keys[f"{u}_l1_bytes"] * 8 for u in ("trv", "list", "ist1"))
-    assert numbers["total"]["bits"]["l1_lines"] == lines
-    # A leaf in a LIST slot: TRV and slot of its home, origin, direction and best t.
+    keys, bits = numbers["config"], numbers["total"]["bits"]
+    assert bits["l1_lines"] == sum(8 * keys[f"num_{u}"] * keys[f"{u}_l1_bytes"] for u in READERS)
+    assert bits["l2_lines"] == sum(8 * keys[f"{u}_l2_bytes"] for u in READERS)
+    assert numbers["kinds"]["between"]["bits"]["l2_lines"] == bits["l2_lines"]
+    assert bits["l1_tags"] == sum(keys[f"num_{u}"] * tags_of(keys, f"{u}_l1") for u in READERS)
+    assert bits["l2_tags"] == sum(
+        tags_of(keys, f"{u}_l2", keys[f"{u}_l2_banks"]) for u in READERS if keys[f"{u}_l2_bytes"]
+    )
+    # A leaf in a LIST slot: TRV and slot of its home, origin, direction and interval.
     home = max(1, (keys["num_trv"] - 1).bit_length()) + (keys["trv_slots"] - 1).bit_length()
-    slot = home + 7 * (1 + keys["exp_bits"] + keys["frac_bits"])
+    slot = home + 8 * (1 + keys["exp_bits"] + keys["frac_bits"])
     assert numbers["kinds"]["LIST"]["bits"]["slots"] == keys["num_list"] * keys["list_slots"] * slot
 
 

@@ -16,6 +16,7 @@ MOST = {
     "ti_fp_mul": 3,
     "ti_fp_rcp": 3,
     "ti_counters": 3,
+    "ti_l2_bank": 9,
     "ti_ist1": 12,
     "ti_list": 12,
     "ti_memory": 9,

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_memory` reads what a unit asks for once, answers only that unit and starves none."""
+"""`ti_memory` reads what a unit asks for once, answers only that unit and starves none.
+
+With L2s it reads a line once for all units of a kind.
+"""
+
+from collections import Counter
 
 import cocotb
 import pytest
 from agents.axi_memory import AxiMemory
 from agents.bench import run, start
+from agents.events import Events
 from agents.line_ports import LinePorts
 from agents.memory import line_data
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
@@ -13,6 +19,13 @@ from models.payload import configuration, payloads
 REQUEST_CYCLES = 3  # 1 each in `ti_lines`, among the kinds, in `ti_axi_read`
 KINDS = ("num_trv", "num_list", "num_ist1")
 FOR_EVER = 1_000_000
+CONFIG = configuration() if hasattr(cocotb, "top") else {f"{k[4:]}_l2_bytes": 0 for k in KINDS}
+L2_KINDS = [kind for kind, key in enumerate(KINDS) if CONFIG[f"{key[4:]}_l2_bytes"]]
+
+
+def only(condition):
+    """A test of the shapes for which `condition` holds; the others report it as skipped."""
+    return cocotb.test(skip=not condition)
 
 
 class Memory:
@@ -28,6 +41,14 @@ class Memory:
         self.kind_of = [k for k, key in enumerate(KINDS) for _ in range(configuration()[key])]
         self.lines = self.errors = self.strays = 0  # events
         assert self.units.num == len(self.kind_of)
+        for unit, kind in enumerate(self.kind_of):
+            if kind in L2_KINDS:  # it knows the ids of the rows that its units have
+                self.units.set_ids(unit, configuration()[f"{KINDS[kind][4:]}_rows"])
+        banks = {kind: configuration()[f"{KINDS[kind][4:]}_l2_banks"] for kind in L2_KINDS}
+        self.bank_kinds = [kind for kind, count in banks.items() for _ in range(count)]
+        self.banks = [Events(dut, "l2", dut.l2_events_o[b]) for b in range(len(self.bank_kinds))]
+        self._banks_before = [bank.counts() for bank in self.banks]
+        self.units.see = self._see_idle
         cocotb.start_soon(self._watch())
 
     def _line(self, address):
@@ -38,6 +59,22 @@ class Memory:
         """(unit, line) of the reads of the port, in their order."""
         lines = [address // self._line_bytes for address in self.axi.addresses]
         return [(self.units.unit_of[line], line) for line in lines]
+
+    def in_the_l2s(self):
+        """Requests on their way to an L2 or in it."""
+        asking = self.units.asking()
+        return sum(self.kind_of[unit] in L2_KINDS for unit in asking)
+
+    def _see_idle(self):
+        assert (self._dut.idle_o.value == 1) == (self.in_the_l2s() == 0)
+
+    def l2_counts(self, kind):
+        """Events of the L2 of a kind since the start, over its banks."""
+        counts = Counter()
+        banks = zip(self.bank_kinds, self.banks, self._banks_before, strict=True)
+        for of, bank, before in banks:
+            counts.update(bank.since(before) if of == kind else {})
+        return counts
 
     async def _watch(self):
         while True:
@@ -72,10 +109,13 @@ async def every_port_gets_its_own_answers(dut, p_gap, p_arready, p_stall, most):
 
     assert units.answered == [100] * units.num
     assert memory.lines == 100 * units.num and memory.errors == memory.strays == 0
-    for unit in range(units.num):  # each asked for once, in the order of the unit
-        assert [one for one in memory.asked() if one[0] == unit] == [
-            one for one in units.taken if one[0] == unit
-        ]
+    for unit in range(units.num):  # each asked for once; without an L2, in the order of the unit
+        asked, taken = (
+            [one for one in of if one[0] == unit] for of in (memory.asked(), units.taken)
+        )
+        if memory.kind_of[unit] in L2_KINDS:
+            asked, taken = sorted(asked), sorted(taken)
+        assert asked == taken
 
 
 @cocotb.test()
@@ -107,7 +147,8 @@ async def errors_reach_only_their_line(dut, p_stall):
     assert units.errors == memory.errors == bad > 0
 
 
-@cocotb.test()
+# The time in an L2 is longer than a unit has ids for.
+@only(not L2_KINDS)
 async def kinds_and_units_are_served_in_turn_under_full_load(dut):
     """A kind has its share whatever the number of its units, a unit its share of that."""
     _, memory = await begin(dut)
@@ -132,7 +173,8 @@ async def kinds_and_units_are_served_in_turn_under_full_load(dut):
             assert len(set(mine[at : at + num])) == num, f"kind {kind}, from {at}"
 
 
-@cocotb.test()
+# Others pass a unit that waits for a bank.
+@only(not L2_KINDS)
 @cocotb.parametrize(p_gap=[0.0, 0.5], p_arready=[0.3, 1.0])
 async def starves_no_unit(dut, p_gap, p_arready):
     rng, memory = await begin(dut)
@@ -149,7 +191,7 @@ async def starves_no_unit(dut, p_gap, p_arready):
     assert max(units.passed) <= len(KINDS) * (most + 2)
 
 
-@cocotb.test()
+@only(not L2_KINDS)
 async def moves_one_line_a_cycle_each_way(dut):
     _, memory = await begin(dut)
     units = memory.units
@@ -164,7 +206,7 @@ async def moves_one_line_a_cycle_each_way(dut):
     assert len(middle) == 400 and last > first + 400, "one answer a cycle while all ask"
 
 
-@cocotb.test()
+@only(not L2_KINDS)
 async def holds_max_reads_and_recovers(dut):
     _, memory = await begin(dut)
     units, cap = memory.units, configuration()["max_reads"]
@@ -194,9 +236,90 @@ async def second_answers_reach_nobody(dut):
     assert memory.strays == memory.axi.strays > 50
 
 
-SHAPES = ["max_reads=4", "num_trv=3 num_list=2 num_ist1=2 trv_rows=8 max_reads=32"]
+@only(L2_KINDS)
+@cocotb.parametrize(p_stall=[0.0, 0.4])
+async def units_of_a_kind_with_an_l2_share_lines(dut, p_stall):
+    rng, memory = await begin(dut)
+    units = memory.units
+    memory.axi.latency = lambda: rng.randint(1, 30)
+    units.ready = lambda unit: rng.random() >= p_stall
+    # Each kind in lines of its own, few enough for its L2.
+    units.line = lambda unit: 16 * memory.kind_of[unit] + rng.randrange(8)
+    units.left = [60] * units.num
+
+    await units.play()
+
+    assert units.answered == [60] * units.num
+    asked = Counter(address // configuration()["line_bytes"] for address in memory.axi.addresses)
+    for kind in L2_KINDS:
+        taken = 60 * memory.kind_of.count(kind)
+        counts = memory.l2_counts(kind)
+        assert {asked[16 * kind + i] for i in range(8)} == {1}
+        assert counts["misses"] == 8 and counts["accesses"] == taken
+        assert counts["hits"] + counts["merged"] == taken - 8
+    for kind in set(range(len(KINDS))) - set(L2_KINDS):
+        assert sum(asked[16 * kind + i] for i in range(8)) == 60 * memory.kind_of.count(kind)
 
 
-@pytest.mark.parametrize("overrides", SHAPES, ids=["tiny", "several"])
-def test_ti_memory(overrides):
-    run("ti_memory", "test_ti_memory", config=f"tiny {overrides}")
+@only(L2_KINDS)
+async def a_hit_in_an_l2_takes_exactly_its_latency(dut):
+    _, memory = await begin(dut)
+    units = memory.units
+    units.line = lambda unit: 5
+    for unit, kind in enumerate(memory.kind_of):
+        for _ in range(2):
+            units.left[unit] = 1
+            await units.play()
+        cycles = units.requests[-1].answered - units.requests[-1].taken
+        assert (cycles == configuration()["l2_latency"]) == (kind in L2_KINDS)
+
+
+@only(L2_KINDS)
+async def a_miss_in_an_l2_passes_the_port_on_its_way(dut):
+    _, memory = await begin(dut)
+    units = memory.units
+    memory.axi.latency = lambda: 1
+    unit = memory.kind_of.index(L2_KINDS[0])
+    units.left[unit] = 1
+    await units.play()
+
+    cycles = units.requests[0].answered - units.requests[0].taken
+    # Tags 1 and the queue of line requests 1 in place of the last 2 of a hit; memory 1, answer 1;
+    # and 2 from the line to its unit.
+    assert cycles == configuration()["l2_latency"] + REQUEST_CYCLES + 1 + 1 + 2
+
+
+@only(L2_KINDS)
+async def forgets_every_line_on_flush(dut):
+    _, memory = await begin(dut)
+    units = memory.units
+    units.line = lambda unit: 100 * unit + len(units.taken) % 8
+    for again in range(1, 4):
+        before = len(units.taken)
+        for unit in range(units.num):  # eight lines of its own, over all banks
+            units.left = [8 * (u == unit) for u in range(units.num)]
+            await units.play()
+        assert len(units.taken) == before + 8 * units.num
+        assert len(memory.axi.addresses) == 8 * units.num * again
+        dut.flush_i.value = 1
+        await RisingEdge(dut.clk_i)
+        dut.flush_i.value = 0
+
+
+L2 = "{0}_l2_bytes={1} {0}_l2_ways=2 {0}_l2_banks={2} {0}_l2_rows={3}"
+SEVERAL = "num_trv=3 num_list=2 num_ist1=2 trv_rows=8 max_reads=32"
+ALL = " ".join(
+    L2.format(*values)
+    for values in [("trv", 8192, 4, 4), ("list", 4096, 1, 2), ("ist1", 4096, 2, 16)]
+)
+SHAPES = {
+    "tiny": "max_reads=4",
+    "several": SEVERAL,
+    "l2 of one kind": f"{SEVERAL} {L2.format('list', 4096, 2, 3)} l2_latency=4",
+    "l2 of all kinds": f"{SEVERAL} {ALL}",
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_ti_memory(shape):
+    run("ti_memory", "test_ti_memory", config=f"tiny {SHAPES[shape]}")
