@@ -46,6 +46,7 @@ def test_every_form_has_the_values_of_the_yaml(name, tmp_path):
     assert script(name, "--out", tmp_path).returncode == 0
     stored = yaml.safe_load((ROOT / f"configs/{name}.yaml").read_text())
     wanted = {key: stored.get(key, rule.default) for key, rule in SCHEMA.keys.items()}
+    wanted["streams"] = wanted["streams"] or wanted["cores"]
 
     written = json.loads((tmp_path / "config.json").read_text())
     assert written.pop("name") == name
@@ -57,6 +58,10 @@ def test_every_form_has_the_values_of_the_yaml(name, tmp_path):
     constants = dict(re.findall(r"localparam (?:int unsigned|bit) (\w+) = (?:1'b)?(\d+);", package))
     cpp = dict(re.findall(r"inline constexpr (?:int|bool) k(\w+) = (\w+);", header))
     hardware = {k: v for k, v in wanted.items() if SCHEMA.keys[k].hardware}
+    for key in [key for key in hardware if SCHEMA.keys[key].values]:
+        enum, value = camel(key), camel(hardware.pop(key))
+        assert f"  localparam {key}_e {enum} = {enum}{value};\n" in package
+        assert f"inline constexpr {enum} k{enum} = {enum}::k{value};\n" in header
     assert constants == {camel(key): str(int(value)) for key, value in hardware.items()}
     macros = re.findall(r"^`define TI_(\w+[A-Z])$", (tmp_path / "ti_config.svh").read_text(), re.M)
     assert {m.lower() for m in macros} == {k for k, value in wanted.items() if value is True}
@@ -238,12 +243,19 @@ def test_a_wrong_entry_of_the_schema_is_named(entry, sentence, tmp_path):
     refused(script("tiny", "--schema", schema, "--out", out), out, str(schema), sentence)
 
 
+@pytest.mark.parametrize(("cores", "given", "streams"), [(4, 0, 4), (4, 2, 2), (6, 6, 6)])
+def test_streams_are_as_many_as_cores_unless_fewer_are_asked_for(cores, given, streams):
+    overrides = [f"cores={cores}", f"streams={given}"]
+    assert configure.load("tiny", overrides).values["streams"] == streams
+
+
 # --- What is refused -----------------------------------------------------------------------------
 
 
 def test_the_defaults_are_a_configuration(tmp_path):
     (tmp_path / "bare.yaml").write_text("num_trv: 24\n")
-    assert configure.load(tmp_path / "bare.yaml").values == SCHEMA.defaults()
+    values = configure.load(tmp_path / "bare.yaml").values
+    assert values == SCHEMA.defaults() | {"streams": values["cores"]}
     assert (SCHEMA.keys["exp_bits"].default, SCHEMA.keys["frac_bits"].default) in SCHEMA.formats
 
 
@@ -287,6 +299,7 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("trv_l2_banks=64", "power of two from 1 to 32"),
         ("ist1_l2_rows=0", "1 to 256"),
         ("list_rows=0", "1 to 256"),
+        ("streams=3", "streams is 3, but must be 0 or divide cores, 1"),
         ("watchdog_steps=65536", "1 to 65535"),
         ("addr_bits=20", "21 to 64"),
         ("counters=2", "true or false"),

@@ -198,7 +198,7 @@ async def answers_to_nothing_that_was_asked_for_are_dropped(dut):
     for memory in bench.memories:
         memory.repeat = lambda memory=memory: memory.in_flight() < few and rng.random() < 0.2
 
-    rays = list(bench.rays(200))
+    rays = list(bench.rays(400))
     bench.check(rays, await bench.trace(rays))
     sums, _ = await bench.counters()
     assert sums["axi"]["strays"] == sum(memory.strays for memory in bench.memories) > 20
