@@ -186,7 +186,8 @@ module ti_ist1 #(
     .Rows      (Rows),
     .ElemBytes (ElemBytes),
     .CacheBytes(CacheBytes),
-    .Ways      (Ways)
+    .Ways      (Ways),
+    .Mode      (ti_config_pkg::RayAccumulation)
   ) u_ra (
     .clk_i,
     .rst_ni,

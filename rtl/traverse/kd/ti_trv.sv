@@ -122,7 +122,8 @@ module ti_trv #(
     .Rows      (Rows),
     .ElemBytes (8),
     .CacheBytes(CacheBytes),
-    .Ways      (Ways)
+    .Ways      (Ways),
+    .Mode      (ti_config_pkg::RayAccumulation)
   ) u_ra (
     .clk_i,
     .rst_ni,
