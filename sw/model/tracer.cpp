@@ -145,9 +145,9 @@ Work& Work::operator+=(const Work& other) {
 }
 
 std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& options) {
-  if (options.stack_depth < 1 || options.stack_depth > model::kMaxStackDepth) {
+  if (options.stack_depth < 0 || options.stack_depth > model::kMaxStackDepth) {
     throw Error(
-        fmt::format("the model has no short stack of {} entries: set `stack_depth`, 1 to {}",
+        fmt::format("the model has no short stack of {} entries: set `stack_depth`, 0 to {}",
                     options.stack_depth, model::kMaxStackDepth));
   }
   for (const Maker& maker : kMakers) {
