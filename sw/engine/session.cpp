@@ -83,7 +83,8 @@ Session::Session(const RunOptions& options, Scene scene)
       model_(Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
                                      .watchdog_steps = options_.config.watchdog_steps,
                                      .interval_cull = options_.config.interval_cull,
-                                     .interval_guard = options_.config.interval_guard})) {
+                                     .interval_guard = options_.config.interval_guard,
+                                     .early_exit = options_.config.early_exit})) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
   if (options_.truth || options_.engine == EngineKind::Embree)

@@ -33,7 +33,7 @@ class TracerOf final : public Tracer {
         interval_cull_(options.interval_cull),
         guard_(static_cast<std::uint32_t>(options.interval_guard)),
         tree_(image),
-        test_(image) {
+        test_(image, options.early_exit) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box_.lo[axis] = F::from_bits(image.header().box_lo[axis]);
       box_.hi[axis] = F::from_bits(image.header().box_hi[axis]);

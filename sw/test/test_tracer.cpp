@@ -90,4 +90,21 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("without early exit each test takes three passes, and hits and steps are the same") {
+  const Mesh mesh = soup(3000, 0.1F, 4);
+  BuildStats stats;
+  const Image image = build_image(mesh, {}, stats);
+  const auto rays = inside_rays(mesh, 5000, 2);
+  Work early;
+  Work whole;
+  CHECK(Tracer::create(image, {.early_exit = false})->trace(rays, whole) ==
+        Tracer::create(image, {})->trace(rays, early));
+  CHECK(early.c_tests < early.b_tests);
+  CHECK(early.b_tests < early.a_tests);
+  CHECK(whole.a_tests == early.a_tests);
+  CHECK(whole.b_tests == whole.a_tests);
+  CHECK(whole.c_tests == whole.a_tests);
+  CHECK(whole.steps == early.steps);
+}
+
 }  // namespace

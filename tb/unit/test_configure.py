@@ -292,6 +292,7 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("list_rows=0", "1 to 256"),
         ("watchdog_steps=65536", "1 to 65535"),
         ("addr_bits=20", "21 to 64"),
+        ("early_exit=2", "true or false"),
         ("ray_accumulation=none", "one of gather, retry, blocking"),
         ("layout=bvh", "one of odfl, dfl"),
         ("counters=2", "true or false"),
