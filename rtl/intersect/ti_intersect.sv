@@ -177,7 +177,8 @@ module ti_intersect #(
       .Rows      (ti_config_pkg::Ist1Rows),
       .CacheBytes(ti_config_pkg::Ist1L1Bytes),
       .Ways      (ti_config_pkg::Ist1L1Ways),
-      .Spill     (ti_config_pkg::Ist1Spill)
+      .Spill     (ti_config_pkg::Ist1Spill),
+      .EarlyExit (ti_config_pkg::EarlyExit)
     ) u_ist1 (
       .clk_i,
       .rst_ni,

@@ -32,9 +32,10 @@ package ti_intersect_pkg;
     ti_pkg::fp_t           tfar;
   } test_t;
 
-  /// IST1 -> IST2: a test that is inside the triangle.
+  /// IST1 -> IST2: a test that is inside the triangle, or, where tests do not end early, any.
   typedef struct packed {
     ti_pkg::home_t home;
+    logic          miss;  // it has failed a pass
     ti_pkg::prim_t prim;
     ti_pkg::fp_t   det;
     ti_pkg::fp_t   dett;

@@ -9,6 +9,7 @@
 /// for the barycentric part and takes pass (b).  A miss after (a) fetches nothing more.  One pass a
 /// cycle when fed; a pass takes `PassLatency` cycles from the RA's answer.  Nothing inside ever stalls: each
 /// queue has a place for every slot, and a slot is given back only when its result has left.
+/// Without `EarlyExit` each test takes both passes and goes on to IST2, as a miss when it has failed one.
 module ti_ist1 #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned Rows = 2,
@@ -16,6 +17,8 @@ module ti_ist1 #(
   parameter int unsigned Ways = 2,
   /// Tests inside with which the unit is crowded; above NumSlots it never is.
   parameter int unsigned Spill = 8,
+  /// A test ends with the pass that it fails.
+  parameter bit EarlyExit = 1'b1,
   localparam int unsigned OperandLatency = 1,  // slot memories
   localparam int unsigned PipeLatency = 4 * ti_fp_pkg::AddLatency + 3 * ti_fp_pkg::MulLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
@@ -65,6 +68,7 @@ module ti_ist1 #(
   typedef struct packed {
     ti_pkg::prim_t prim;
     logic [1:0]    axis;
+    logic          miss;
     ti_pkg::fp_t   det;
     ti_pkg::fp_t   dett;
     ti_pkg::fp_t   audet;
@@ -73,6 +77,7 @@ module ti_ist1 #(
 
   typedef struct packed {
     slot_t         slot;
+    logic          miss;  // (a) has failed it
     logic [1:0]    axis;
     ti_pkg::prim_t prim;
   } tag_t;
@@ -186,7 +191,8 @@ module ti_ist1 #(
     .Rows      (Rows),
     .ElemBytes (ElemBytes),
     .CacheBytes(CacheBytes),
-    .Ways      (Ways)
+    .Ways      (Ways),
+    .Mode      (ti_config_pkg::RayAccumulation)
   ) u_ra (
     .clk_i,
     .rst_ni,
@@ -274,6 +280,7 @@ module ti_ist1 #(
 
   assign issue_tag = '{
           slot: issue_slot_q,
+          miss: issue_b_q && between.miss,
           axis: issue_b_q ? between.axis : plane.axis[1:0],
           prim: issue_b_q ? between.prim : plane.prim
       };
@@ -307,10 +314,11 @@ module ti_ist1 #(
     .y_o     (result_y)
   );
 
-  assign go_on = result_valid && result_keep && !result_b;
+  assign go_on = result_valid && (result_keep || !EarlyExit) && !result_b;
   assign between_new = '{
           prim: result_tag.prim,
           axis: result_tag.axis,
+          miss: !result_keep,
           det: result_det,
           dett: result_dett,
           audet: result_x,
@@ -326,8 +334,9 @@ module ti_ist1 #(
     .take_i       (take),
     .take_slot_i  (new_slot),
     .take_home_i  (test_data_i.home),
-    .inside_i     (result_valid && result_keep && result_b),
-    .miss_i       (result_valid && !result_keep),
+    .inside_i     (result_valid && (result_keep || !EarlyExit) && result_b),
+    .inside_miss_i(result_tag.miss || !result_keep),
+    .miss_i       (result_valid && !result_keep && EarlyExit),
     .result_slot_i(result_tag.slot),
     .prim_i       (result_tag.prim),
     .det_i        (result_det),

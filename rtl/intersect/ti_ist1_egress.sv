@@ -21,8 +21,9 @@ module ti_ist1_egress #(
   input logic          [SlotWidth-1:0] take_slot_i,
   input ti_pkg::home_t                 take_home_i,
 
-  // A result of the pipeline.
+  // A result of the pipeline: for IST2, where it may be a miss all the same; or a miss.
   input logic                          inside_i,
+  input logic                          inside_miss_i,
   input logic                          miss_i,
   input logic          [SlotWidth-1:0] result_slot_i,
   input ti_pkg::prim_t                 prim_i,
@@ -51,6 +52,7 @@ module ti_ist1_egress #(
 
   typedef struct packed {
     slot_t         slot;
+    logic          miss;
     ti_pkg::prim_t prim;
     ti_pkg::fp_t   det;
     ti_pkg::fp_t   dett;
@@ -76,7 +78,15 @@ module ti_ist1_egress #(
     .rst_ni,
     .push_i(inside_i),
     .push_data_i(
-    '{slot: result_slot_i, prim: prim_i, det: det_i, dett: dett_i, detu: detu_i, detv: detv_i}
+    '{
+        slot: result_slot_i,
+        miss: inside_miss_i,
+        prim: prim_i,
+        det: det_i,
+        dett: dett_i,
+        detu: detu_i,
+        detv: detv_i
+    }
     ),
     .out_valid_o(inside_waits),
     .out_ready_i(inside_goes),
@@ -139,6 +149,7 @@ module ti_ist1_egress #(
   ti_intersect_pkg::candidate_t candidate;
   assign candidate = '{
           home: home_q[kept.slot],
+          miss: kept.miss,
           prim: kept.prim,
           det: kept.det,
           dett: kept.dett,

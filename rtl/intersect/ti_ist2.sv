@@ -6,7 +6,8 @@
 /// IST2: pass (c), r = 1/det, t = dett*r, u = detu*r, v = detv*r, on 1 RCP and 3 MUL.
 ///
 /// Fixed latency inside, `Latency` cycles to the output queue; credits in front hold back what the
-/// queue could not take.  One candidate a cycle.  A t that is not finite makes the test a miss.
+/// queue could not take.  One candidate a cycle.  A t that is not finite makes the test a miss; a candidate that
+/// is one stays one.
 module ti_ist2 #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
   localparam int unsigned QueueLatency = 1,
@@ -36,6 +37,7 @@ module ti_ist2 #(
 
   typedef struct packed {
     ti_pkg::home_t home;
+    logic          miss;
     ti_pkg::prim_t prim;
   } who_t;
 
@@ -117,7 +119,9 @@ module ti_ist2 #(
   ) u_who (
     .clk_i,
     .rst_ni,
-    .data_i('{home: candidate_data_i.home, prim: candidate_data_i.prim}),
+    .data_i(
+    '{home: candidate_data_i.home, miss: candidate_data_i.miss, prim: candidate_data_i.prim}
+    ),
     .data_o(who)
   );
 
@@ -126,7 +130,7 @@ module ti_ist2 #(
     result       = '0;
     result.home  = who.home;
     result.count = 16'd1;
-    result.hit   = t[M+:E] != '1;
+    result.hit   = t[M+:E] != '1 && !who.miss;
     result.prim  = who.prim;
     result.t     = t;
     result.u     = u;

@@ -106,7 +106,8 @@ module ti_list #(
     .Rows      (Rows),
     .ElemBytes (4),
     .CacheBytes(CacheBytes),
-    .Ways      (Ways)
+    .Ways      (Ways),
+    .Mode      (ti_config_pkg::RayAccumulation)
   ) u_ra (
     .clk_i,
     .rst_ni,

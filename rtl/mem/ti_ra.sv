@@ -10,6 +10,10 @@
 /// reserved when it is asked for and pinned until its row is empty, so each gathered ray is served
 /// by the line it waited for, whatever happens to the cache meanwhile.
 ///
+/// For comparison (`Mode`), a unit without the idea.  Blocking: a miss stops the unit until its ray has its line.
+/// Retry, plain multithreading: a ray whose line is not here goes to the end of a queue and looks the cache up
+/// again, and again; the ray that asks for a line holds its row until it has looked up the line that came.
+///
 /// Latency 2 cycles on a hit, one answer a cycle.  `rsp` stalls the unit as a whole.  The caller has at
 /// most one request in flight for a slot.  `line_rsp` is always accepted; an answer to nothing that was asked
 /// for is dropped.  A line answered with an error is not kept; its rays get `rsp_error_o`, their element is
@@ -23,6 +27,7 @@ module ti_ra #(
   parameter int unsigned ElemBytes = 8,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
+  parameter ti_config_pkg::ray_accumulation_e Mode = ti_config_pkg::RayAccumulationGather,
   localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
 ) (
@@ -61,6 +66,8 @@ module ti_ra #(
   localparam int unsigned Sets = CacheBytes / ((Ways > 0) ? Ways * LineBytes : 1);
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1;
   localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1;
+  localparam bit Blocking = Mode == ti_config_pkg::RayAccumulationBlocking;
+  localparam bit Retry = Mode == ti_config_pkg::RayAccumulationRetry;
 
   typedef logic [SlotWidth-1:0] slot_t;
   typedef logic [RowWidth-1:0] row_t;
@@ -114,24 +121,30 @@ module ti_ra #(
   assign fill = line_rsp_valid_i && row_exists && row_busy_q[fill_row] && !row_filled_q[fill_row];
   assign line_rsp_ready_o = 1'b1;
 
-  line_addr_t req_line;
-  assign req_line    = req_addr_i[ti_mem_pkg::AddrWidth-1:$clog2(LineBytes)];
-  assign req_ready_o = !s1_valid_q || s1_done;
+  // Who is looked up: a request or, in `Retry`, a ray that looks again.
+  logic look_valid, look_ready, look_go, retries;
+  slot_t look_slot;
+  line_addr_t req_line, look_line;
+  elem_t req_elem, look_elem;
+  assign req_line = req_addr_i[ti_mem_pkg::AddrWidth-1:$clog2(LineBytes)];
+  assign req_elem = (Elems > 1) ? elem_t'(req_addr_i[$clog2(
+      LineBytes
+  )-1:0] >> $clog2(
+      ElemBytes
+  )) : '0;
+  assign look_ready = !s1_valid_q || s1_done;
+  assign look_go = look_valid && look_ready;
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) s1_valid_q <= 1'b0;
-    else if (req_ready_o) s1_valid_q <= req_valid_i;
+    else if (look_ready) s1_valid_q <= look_valid;
   end
 
   always_ff @(posedge clk_i) begin
-    if (req_valid_i && req_ready_o) begin
-      s1_slot_q <= req_slot_i;
-      s1_line_q <= req_line;
-      s1_elem_q <= (Elems > 1) ? elem_t'(req_addr_i[$clog2(
-          LineBytes
-      )-1:0] >> $clog2(
-          ElemBytes
-      )) : '0;
+    if (look_go) begin
+      s1_slot_q <= look_slot;
+      s1_line_q <= look_line;
+      s1_elem_q <= look_elem;
     end
   end
 
@@ -149,19 +162,90 @@ module ti_ra #(
     end
   end
 
-  logic filled;
-  ti_queue #(
-    .payload_t(row_t),
-    .Depth    (Rows)
-  ) u_filled (
-    .clk_i,
-    .rst_ni,
-    .push_i     (fill),
-    .push_data_i(fill_row),
-    .out_valid_o(filled),
-    .out_ready_i(drain_last),
-    .out_data_o (drain_row)
-  );
+  logic filled, stopped, again;
+  if (Retry) begin : gen_retry
+    // A row is filled for the ray that asked for its line, when that looks again.
+    logic [Rows-1:0] mine;
+    for (genvar r = 0; r < Rows; r++) begin : gen_mine
+      assign mine[r] = row_filled_q[r] && row_head_q[r] == s1_slot_q;
+    end
+    assign filled = s1_valid_q && mine != '0;
+    always_comb begin
+      drain_row = '0;
+      for (int unsigned r = 0; r < Rows; r++) if (mine[r]) drain_row = row_t'(r);
+    end
+
+    // A ray that has neither its line nor a row, and not for the first time, keeps new rays out: those inside become
+    // fewer until it has a row.
+    logic s1_again_q, closed_q, refused, req_go;
+    slot_t closed_slot_q;
+    assign refused = s1_valid_q && !filled && !hit && !merge && !may_ask;
+    assign again   = use_merge || use_miss || refused;
+
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) closed_q <= 1'b0;
+      else if (refused && s1_again_q) closed_q <= 1'b1;
+      else if (s1_done && s1_slot_q == closed_slot_q) closed_q <= 1'b0;
+    end
+    always_ff @(posedge clk_i) begin
+      if (refused && s1_again_q && !closed_q) closed_slot_q <= s1_slot_q;
+      if (look_go) s1_again_q <= !req_go;
+    end
+
+    // New rays and those that look again take turns.
+    logic req_first_q, retry_valid, retry_go;
+    slot_t retry_slot;
+    line_addr_t retry_line;
+    elem_t retry_elem;
+    ti_queue #(
+      .payload_t(logic [SlotWidth+LineAddrWidth+ElemWidth-1:0]),
+      .Depth    (NumSlots)
+    ) u_again (
+      .clk_i,
+      .rst_ni,
+      .push_i     (again),
+      .push_data_i({s1_slot_q, s1_line_q, s1_elem_q}),
+      .out_valid_o(retry_valid),
+      .out_ready_i(retry_go),
+      .out_data_o ({retry_slot, retry_line, retry_elem})
+    );
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) req_first_q <= 1'b0;
+      else if (look_go) req_first_q <= !req_go;
+    end
+    assign req_ready_o = look_ready && !closed_q && (req_first_q || !retry_valid);
+    assign req_go      = req_valid_i && req_ready_o;
+    assign retry_go    = retry_valid && look_ready && !req_go;
+    assign look_valid  = retry_valid || (req_valid_i && !closed_q);
+    assign look_slot   = req_go ? req_slot_i : retry_slot;
+    assign look_line   = req_go ? req_line : retry_line;
+    assign look_elem   = req_go ? req_elem : retry_elem;
+    assign retries     = retry_valid;
+    assign stopped     = 1'b0;
+
+    `TI_ASSERT(OneRowARay, s1_valid_q |-> $onehot0(mine))
+  end else begin : gen_rows
+    ti_queue #(
+      .payload_t(row_t),
+      .Depth    (Rows)
+    ) u_filled (
+      .clk_i,
+      .rst_ni,
+      .push_i     (fill),
+      .push_data_i(fill_row),
+      .out_valid_o(filled),
+      .out_ready_i(drain_last),
+      .out_data_o (drain_row)
+    );
+    assign req_ready_o = look_ready;
+    assign look_valid  = req_valid_i;
+    assign look_slot   = req_slot_i;
+    assign look_line   = req_line;
+    assign look_elem   = req_elem;
+    assign retries     = 1'b0;
+    assign again       = 1'b0;
+    assign stopped     = Blocking && row_busy_q != '0;
+  end
 
   // Filled rows hand out before hits, in the order in which they were filled.  A hit that waits keeps new rows
   // from forming, so it waits for at most the rows there are.
@@ -171,18 +255,18 @@ module ti_ra #(
   assign drain                = filled && s2_free;
   assign drain_slot           = row_head_q[drain_row];
   assign drain_last           = drain && drain_slot == row_tail_q[drain_row];
-  assign use_merge            = s1_valid_q && merge;
-  assign use_hit              = s1_valid_q && !merge && hit && s2_free && !filled;
-  assign may_ask              = row_free_any && victim_valid && line_queue_ready;
-  assign use_miss             = s1_valid_q && !merge && !hit && may_ask;
-  assign s1_done              = use_merge || use_hit || use_miss;
+  assign use_merge            = s1_valid_q && merge && !stopped && !(Retry && filled);
+  assign use_hit              = s1_valid_q && !merge && hit && s2_free && !filled && !stopped;
+  assign may_ask              = row_free_any && victim_valid && line_queue_ready && !stopped;
+  assign use_miss             = s1_valid_q && !merge && !hit && may_ask && !(Retry && filled);
+  assign s1_done              = use_merge || use_hit || use_miss || again || (Retry && drain);
 
   assign events_o.l1_accesses = s1_done;
-  assign events_o.l1_hits     = use_hit;
-  assign events_o.l1_merged   = use_merge;
+  assign events_o.l1_hits     = use_hit || (Retry && drain);
+  assign events_o.l1_merged   = use_merge || (again && !use_miss);
   assign events_o.l1_misses   = use_miss;
 
-  assign idle_o               = !s1_valid_q && !s2_valid_q && row_busy_q == '0;
+  assign idle_o               = !s1_valid_q && !s2_valid_q && row_busy_q == '0 && !retries;
   assign waits_o              = (row_busy_q & ~row_filled_q) != '0;
 
   always_ff @(`TI_CLK_RST) begin
@@ -207,7 +291,7 @@ module ti_ra #(
       row_head_q[free_row] <= s1_slot_q;
       row_tail_q[free_row] <= s1_slot_q;
     end
-    if (use_merge) begin
+    if (use_merge && !Retry) begin
       next_q[row_tail_q[merge_row]] <= s1_slot_q;
       row_tail_q[merge_row]         <= s1_slot_q;
     end
@@ -226,8 +310,8 @@ module ti_ra #(
     .clk_i,
     .rst_ni,
     .flush_i,
-    .lookup_en_i   (req_valid_i && req_ready_o),
-    .lookup_set_i  ((Sets > 1) ? req_line[SetWidth-1:0] : '0),
+    .lookup_en_i   (look_go),
+    .lookup_set_i  ((Sets > 1) ? look_line[SetWidth-1:0] : '0),
     .line_i        (s1_line_q),
     .hit_o         (hit),
     .hit_way_o     (hit_way),

@@ -143,7 +143,7 @@ void Emitter::place(std::uint32_t index, const Box& box, int depth) {
   Box below = box;
   Box above = box;
   below.hi[node.axis] = above.lo[node.axis] = static_cast<double>(node.split);
-  const bool reorder = options_.layout == Layout::Odfl && above.half_area() > below.half_area();
+  const bool reorder = options_.layout == Layout::kOdfl && above.half_area() > below.half_area();
   const std::size_t here = nodes.size();
   nodes.push_back({round_to_bits(options_.format, static_cast<double>(node.split)), node.axis});
   if (reorder) {
@@ -190,7 +190,7 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   header.size_bytes = static_cast<std::uint32_t>(size);
   header.exp_bits = static_cast<std::uint8_t>(options.format.exp_bits);
   header.frac_bits = static_cast<std::uint8_t>(options.format.frac_bits);
-  header.layout = static_cast<std::uint8_t>(options.layout);
+  header.layout = options.layout == Layout::kOdfl ? 0 : 1;
   header.section_count = static_cast<std::uint32_t>(sections.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.box_lo[axis] = round_to_bits(options.format, rules.box.lo[axis]);

@@ -5,16 +5,15 @@
 #include <string>
 
 #include "accel/image.hpp"
+#include "base/config_keys.hpp"
 #include "scene/mesh.hpp"
 
 namespace ti {
 
-enum class Layout : std::uint8_t { Odfl = 0, Dfl = 1 };
-
 /// Costs and limits of the surface area heuristic.
 struct BuildOptions {
   Format format;
-  Layout layout = Layout::Odfl;
+  Layout layout = Layout::kOdfl;
   double step_cost = 1.0;
   double test_cost = 1.5;
   double leaf_cost = 1.0;  ///< of a visit to a leaf, where a subtree is compared with one

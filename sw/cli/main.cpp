@@ -16,8 +16,8 @@ using ti::Error;
 
 /// An option whose value is one of a few words.
 template <typename T>
-CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
-                        const std::map<std::string, T>& choices) {
+void add_choice(CLI::App& command, const std::string& name, T& target,
+                const std::map<std::string, T>& choices) {
   std::string words;
   for (const auto& [word, value] : choices) words += (words.empty() ? "" : ", ") + word;
   const auto choose = [name, &target, choices, words](const std::string& word) {
@@ -26,7 +26,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
       throw Error(fmt::format("{} {}: no such choice; there are {}", name, word, words));
     target = found->second;
   };
-  return command.add_option_function<std::string>(name, choose, words);
+  command.add_option_function<std::string>(name, choose, words);
 }
 
 void add_config(CLI::App& command, Arguments& arguments) {
@@ -65,20 +65,16 @@ void add_engine(CLI::App& command, Arguments& arguments) {
                    "do not compare with Embree and exact arithmetic");
 }
 
-CLI::Option* add_scene(CLI::App& command, Arguments& arguments) {
+void add_scene(CLI::App& command, Arguments& arguments) {
   command.add_option("--scene", arguments.run.scene, "glTF, OBJ, PLY or .ply.zst")->required();
-  return add_choice<ti::Layout>(command, "--layout", arguments.run.layout,
-                                {{"odfl", ti::Layout::Odfl}, {"dfl", ti::Layout::Dfl}});
 }
 
 void add_run(CLI::App& command, Arguments& arguments) {
   add_config(command, arguments);
   add_engine(command, arguments);
-  CLI::Option* layout = add_scene(command, arguments);
-  command
-      .add_option("--image", arguments.run.image,
-                  "memory image of the scene, in place of building one")
-      ->excludes(layout);
+  add_scene(command, arguments);
+  command.add_option("--image", arguments.run.image,
+                     "memory image of the scene, in place of building one");
   command.add_option("--out", arguments.run.out, "folder for what is written")->required();
   command.add_option("--seed", arguments.seed, "of the rays");
   command.add_option("--log-ray", arguments.run.log_ray,

@@ -21,10 +21,10 @@ double seconds_since(Clock::time_point begin) {
 
 Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
   if (!options.image.empty())
-    return load_image_of(options.image, scene.mesh, options.config.format, options.scene, stats);
+    return load_image_of(options.image, scene.mesh, options.config, options.scene, stats);
   BuildOptions build_options;
   build_options.format = options.config.format;
-  build_options.layout = options.layout;
+  build_options.layout = options.config.layout;
   build_options.test_cost = options.config.tree_test_cost;
   build_options.leaf_cost = options.config.tree_leaf_cost;
   build_options.bad_splits = options.config.tree_bad_splits;
@@ -83,7 +83,8 @@ Session::Session(const RunOptions& options, Scene scene)
       model_(Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
                                      .watchdog_steps = options_.config.watchdog_steps,
                                      .interval_cull = options_.config.interval_cull,
-                                     .interval_guard = options_.config.interval_guard})) {
+                                     .interval_guard = options_.config.interval_guard,
+                                     .early_exit = options_.config.early_exit})) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
   if (options_.truth || options_.engine == EngineKind::Embree)

@@ -25,7 +25,6 @@ struct RunOptions {
   std::filesystem::path image;  ///< memory image in place of a tree that is built; empty: build
   EngineKind engine = EngineKind::Rtl;
   std::filesystem::path library;  ///< of the RTL, for `EngineKind::Rtl`
-  Layout layout = Layout::Odfl;
   RtlOptions rtl;
   bool lock_step = true;                 ///< compare the RTL with the model
   bool truth = true;                     ///< compare with Embree and exact arithmetic

@@ -55,9 +55,10 @@ void describe_tree(const Image& image, BuildStats& stats) {
 
 }  // namespace
 
-Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, Format format,
+Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, const Config& config,
                     const std::filesystem::path& scene, BuildStats& stats) {
   Image image = Image::load(path);
+  const Format format = config.format;
   if (!(image.format() == format)) {
     throw Error(
         fmt::format("{}: the image has the number format ({},{}), the configuration has ({},{}); "
@@ -65,6 +66,12 @@ Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, Format 
                     "`make image`",
                     path.string(), image.format().exp_bits, image.format().frac_bits,
                     format.exp_bits, format.frac_bits));
+  }
+  const auto layout = static_cast<std::uint8_t>(config.layout);
+  if (image.header().layout != layout) {
+    throw Error(fmt::format(
+        "{}: the image has the layout {}, the configuration has {}; make it again by `make image`",
+        path.string(), kLayoutNames[image.header().layout], kLayoutNames[layout]));
   }
   const PreparedTriangles prepared = prepare_triangles(mesh, format);
   const std::size_t foreign = first_foreign(image, prepared);

@@ -20,7 +20,9 @@ class LocalTest {
  public:
   static constexpr TestKind kKind = TestKind::Local;
 
-  explicit LocalTest(const Image& image) : planes_(image.planes()), barys_(image.barys()) {}
+  /// Without `early_exit` each test takes all passes, also when an earlier one has failed it.
+  LocalTest(const Image& image, bool early_exit)
+      : planes_(image.planes()), barys_(image.barys()), early_exit_(early_exit) {}
 
   /// Number of the triangle in the mesh.
   [[nodiscard]] std::uint32_t prim(std::uint32_t record) const { return planes_[record].prim; }
@@ -31,17 +33,16 @@ class LocalTest {
     const ImagePlane& plane = planes_[record];
     ++work.a_tests;
     const auto a = pass_a(plane, ray.o, ray.d, range);
-    if (!a) return std::nullopt;
-    ++work.b_tests;
-    const auto b = pass_b(plane, barys_[record], ray.d, *a);
-    if (!b) return std::nullopt;
-    ++work.c_tests;
-    return pass_c(*b);
+    if (a || !early_exit_) ++work.b_tests;
+    const auto b = a ? pass_b(plane, barys_[record], ray.d, *a) : std::nullopt;
+    if (b || !early_exit_) ++work.c_tests;
+    return b ? pass_c(*b) : std::nullopt;
   }
 
  private:
   std::span<const ImagePlane> planes_;
   std::span<const ImageBary> barys_;
+  bool early_exit_;
 };
 
 }  // namespace ti::model

@@ -33,7 +33,7 @@ class TracerOf final : public Tracer {
         interval_cull_(options.interval_cull),
         guard_(static_cast<std::uint32_t>(options.interval_guard)),
         tree_(image),
-        test_(image) {
+        test_(image, options.early_exit) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       box_.lo[axis] = F::from_bits(image.header().box_lo[axis]);
       box_.hi[axis] = F::from_bits(image.header().box_hi[axis]);
@@ -145,9 +145,9 @@ Work& Work::operator+=(const Work& other) {
 }
 
 std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& options) {
-  if (options.stack_depth < 1 || options.stack_depth > model::kMaxStackDepth) {
+  if (options.stack_depth < 0 || options.stack_depth > model::kMaxStackDepth) {
     throw Error(
-        fmt::format("the model has no short stack of {} entries: set `stack_depth`, 1 to {}",
+        fmt::format("the model has no short stack of {} entries: set `stack_depth`, 0 to {}",
                     options.stack_depth, model::kMaxStackDepth));
   }
   for (const Maker& maker : kMakers) {

@@ -31,6 +31,7 @@ class Tracer {
     int watchdog_steps = 65535;
     bool interval_cull = true;  ///< whether a leaf's tests count only within its interval
     int interval_guard = 4;     ///< units in the last place by which it grows at each end
+    bool early_exit = true;     ///< whether a test ends with the pass that it fails
   };
 
   /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format, tree or test

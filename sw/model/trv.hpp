@@ -52,10 +52,14 @@ class ShortStack {
     F tmax;
   };
 
-  /// `depth` from 1 to `kMaxStackDepth`.
+  /// `depth` from 0, which keeps nothing, to `kMaxStackDepth`.
   explicit ShortStack(std::size_t depth) : depth_(depth) {}
 
   void push(Entry entry) {
+    if (depth_ == 0) {
+      dropped_ = true;
+      return;
+    }
     entries_[top_] = entry;
     top_ = top_ + 1 == depth_ ? 0 : top_ + 1;
     if (count_ == depth_) {

@@ -46,7 +46,7 @@ ordered_json provenance_json(const Report& report, const Session& session) {
       {"size", nullptr},
       {"spp", if_known(request.size.has_value(), request.spp)},
       {"effects", if_known(request.size.has_value(), request.effects)},
-      {"layout", options.layout == Layout::Odfl ? "odfl" : "dfl"},
+      {"layout", options.config.layout == Layout::kOdfl ? "odfl" : "dfl"},
       {"image_given", !options.image.empty()},
       {"waves", report.waves.size()}};
   if (request.size) json["size"] = *request.size;

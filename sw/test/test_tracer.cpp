@@ -56,9 +56,9 @@ TEST_CASE(
     "the model refuses a stack that it has no room for, and formats that it is not built for") {
   BuildStats stats;
   const Image image = build_image(soup(10, 0.5F, 1), {}, stats);
-  for (const int depth : {-1, 0, 65, 1 << 20}) {
+  for (const int depth : {-1, 65, 1 << 20}) {
     test::check_error([&] { (void)Tracer::create(image, {.stack_depth = depth}); },
-                      {std::to_string(depth) + " entries:", "1 to 64"});
+                      {std::to_string(depth) + " entries:", "0 to 64"});
   }
   BuildOptions options;
   options.format = {6, 12};
@@ -73,7 +73,7 @@ TEST_CASE(
   const Image image = build_image(mesh, {}, stats);
   const auto rays = inside_rays(mesh, 5000, 2);
   std::vector<HitBits> first;
-  for (const int depth : {1, 2, 4, 64}) {
+  for (const int depth : {0, 1, 2, 4, 64}) {
     const auto tracer = Tracer::create(image, {.stack_depth = depth});
     Work work;
     std::vector<HitBits> hits = tracer->trace(rays, work);
@@ -88,6 +88,23 @@ TEST_CASE(
     if (first.empty()) first = hits;
     CHECK(hits == first);
   }
+}
+
+TEST_CASE("without early exit each test takes three passes, and hits and steps are the same") {
+  const Mesh mesh = soup(3000, 0.1F, 4);
+  BuildStats stats;
+  const Image image = build_image(mesh, {}, stats);
+  const auto rays = inside_rays(mesh, 5000, 2);
+  Work early;
+  Work whole;
+  CHECK(Tracer::create(image, {.early_exit = false})->trace(rays, whole) ==
+        Tracer::create(image, {})->trace(rays, early));
+  CHECK(early.c_tests < early.b_tests);
+  CHECK(early.b_tests < early.a_tests);
+  CHECK(whole.a_tests == early.a_tests);
+  CHECK(whole.b_tests == whole.a_tests);
+  CHECK(whole.c_tests == whole.a_tests);
+  CHECK(whole.steps == early.steps);
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-Image build(const Mesh& mesh, BuildStats& stats, Format format = {}, Layout layout = Layout::Odfl) {
+Image build(const Mesh& mesh, BuildStats& stats, Format format = {},
+            Layout layout = Layout::kOdfl) {
   BuildOptions options;
   options.format = format;
   options.layout = layout;
@@ -287,7 +288,7 @@ TEST_CASE("tree: DFL and ODFL have the same leaves, and ODFL puts the larger chi
   const Mesh mesh = soup(800, 0.1F, 3);
   BuildStats stats;
   const Image ordered = build(mesh, stats);
-  const Image plain = build(mesh, stats, {}, Layout::Dfl);
+  const Image plain = build(mesh, stats, {}, Layout::kDfl);
   const auto a = leaves(ordered);
   const auto b = leaves(plain);
   REQUIRE(a.size() == b.size());

@@ -109,6 +109,12 @@ class Program:
         self.library = folder / "engine/libti_rtl.so" if rtl else None
         self._engine = "rtl" if rtl else "model"
 
+    def with_keys(self, folder, **keys):
+        """Its `config.json` with other values of keys that are not of the RTL."""
+        path = folder / f"config-{'-'.join(map(str, keys.values()))}.json"
+        path.write_text(json.dumps(json.loads(self.config.read_text()) | keys))
+        return path
+
     def run(self, command, *arguments, config=None):
         words = ["--config", config or self.config, *arguments]
         return call([self.path, command, *words, *self._rtl(words)])

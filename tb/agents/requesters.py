@@ -87,10 +87,13 @@ class Requesters:
         idle, before = 0, None
         while not condition():
             await RisingEdge(self._dut.clk_i)
-            state = (sum(self.counts.values()), len(self._in_flight), len(self._wishes))
+            state = (self._progress(), len(self._in_flight), len(self._wishes))
             idle = 0 if state != before else idle + 1
             before = state
             assert idle < patience, f"stuck: {len(self._in_flight)} in flight, {self.counts}"
+
+    def _progress(self):
+        return sum(self.counts.values())
 
     async def done(self, tickets, patience=5000):
         await self.until(lambda: all(t.done is not None for t in tickets), patience)
@@ -266,3 +269,62 @@ class Requesters:
     def _says_it_waits(self):
         """Whether the unit says that it waits for a line; None: it does not say."""
         return self._dut.waits_o.value == 1
+
+
+class Retriers(Requesters):
+    """The same in front of a unit whose rays look again: each look-up is one of the ray in step 1.
+
+    `looks` counts the look-ups that went round again because of a line on its way, `refused` those
+    that found neither a row nor a place.
+    """
+
+    def __init__(self, dut, memory, rng):
+        super().__init__(dut, memory, rng)
+        self.looks = self.refused = 0
+
+    def _progress(self):
+        return self.counts["taken"] + self.counts["done"]  # rays that look again get nowhere
+
+    def _see_request(self):
+        super()._see_request()
+        self._undecided.clear()
+
+    def _see_event(self):
+        events = payloads().unpack("cache_events_t", int(self._dut.events_o.value))
+        seen = [kind for event, kind in EVENTS.items() if events[event]]
+        if not events["l1_accesses"]:
+            assert not seen, f"{seen} without an access"
+            return
+        assert len(seen) == 1, f"access with {seen}"
+        self.counts.update(["access", *seen])
+        ticket = self._in_flight[int(self._dut.s1_slot_q.value)]
+        ticket.kind, ticket.decided = seen[0], cycle()
+        line = ticket.addr // self.line_bytes
+        if ticket.row and ticket.row.answered is not None:
+            assert ticket.kind == "hit", f"{ticket.kind} of a ray that has asked for its line"
+            return
+        full = len(self._rows) >= self.rows or self._cache.victim(line) is None
+        if any(r.line == line and r.answered is None for r in self._rows):
+            want, self.looks = "merged", self.looks + 1
+        elif self._cache.way_of(line) is not None:
+            want = "hit"
+            self._cache.touch(line)
+        elif full:
+            want, self.refused = "merged", self.refused + 1
+        else:
+            want = "miss"
+            ticket.row = Row(line, self._cache.alloc(line), {ticket})
+            self._rows.append(ticket.row)
+        assert ticket.kind == want, f"line {line:#x}: {ticket.kind}, must be {want}"
+
+    def _first_sight(self, ticket):
+        assert ticket.kind == "hit" and cycle() == ticket.decided + 1
+        super()._first_sight(ticket)
+
+    def finish(self):
+        """Check the sums when everything is over."""
+        assert not self._in_flight and not self._rows and not self._wishes
+        assert self.counts["access"] == sum(self.counts[kind] for kind in EVENTS.values())
+        assert self.counts["hit"] == self.counts["taken"] == self.counts["done"]
+        assert self.counts["merged"] == self.looks + self.refused
+        assert self.counts["miss"] == len(self._memory.asked)

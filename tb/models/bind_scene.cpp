@@ -99,12 +99,13 @@ void bind_tracer(nb::module_& module) {
       .def_static(
           "create",
           [](const Image& image, int stack_depth, int watchdog_steps, bool interval_cull,
-             int interval_guard) {
-            return Tracer::create(image,
-                                  {stack_depth, watchdog_steps, interval_cull, interval_guard});
+             int interval_guard, bool early_exit) {
+            return Tracer::create(
+                image, {stack_depth, watchdog_steps, interval_cull, interval_guard, early_exit});
           },
           nb::arg("image"), nb::arg("stack_depth") = 4, nb::arg("watchdog_steps") = 65535,
-          nb::arg("interval_cull") = true, nb::arg("interval_guard") = 4, nb::keep_alive<0, 1>())
+          nb::arg("interval_cull") = true, nb::arg("interval_guard") = 4,
+          nb::arg("early_exit") = true, nb::keep_alive<0, 1>())
       .def("trace", &trace, nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
            nb::arg("any_hit") = false);
 }

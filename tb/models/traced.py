@@ -17,7 +17,12 @@ def tracer(scene, depth, watchdog):
     """The model of the configuration, with a short stack and a watchdog of these sizes."""
     config = configuration()
     return ti_model.Tracer.create(
-        scene.image, depth, watchdog, config["interval_cull"], config["interval_guard"]
+        scene.image,
+        depth,
+        watchdog,
+        config["interval_cull"],
+        config["interval_guard"],
+        config["early_exit"],
     )
 
 

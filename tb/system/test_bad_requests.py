@@ -54,8 +54,6 @@ BAD_SETTINGS = {  # command, options, words of the sentence
     "effects": ("render", ["--effects", "shadows"], ["EFFECTS=shadows", "none"]),
     "engine": ("render", ["--engine", "gpu"], ["gpu", "embree, model, rtl"]),
     "engine-number": ("render", ["--engine", "1"], ["embree, model, rtl"]),
-    "layout": ("render", ["--layout", "bvh"], ["bvh", "dfl, odfl"]),
-    "layout-of-an-image": ("render", ["--layout", "dfl", "--image", "a.tiim"], ["excludes"]),
     "unknown-option": ("render", ["--frobnicate"], ["frobnicate"]),
     "no-rays": ("trace", [], ["--rays"]),
     "rays-empty": ("trace", ["--rays", ""], ["RAYS="]),
@@ -76,6 +74,7 @@ BAD_CONFIGS = {
     "no-units": (lambda keys: keys.update(num_trv=0), ["`num_trv`"]),
     "unknown-format": (lambda keys: keys.update(exp_bits=11, frac_bits=52), ["`exp_bits`"]),
     "a-word": (lambda keys: keys.update(watchdog_steps="many"), ["`watchdog_steps`"]),
+    "a-layout": (lambda keys: keys.update(layout="bvh"), ["`layout` must be one of odfl, dfl"]),
     "no-name": (lambda keys: keys.pop("name"), ["`name`"]),
 }
 

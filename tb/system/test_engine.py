@@ -102,7 +102,9 @@ def test_the_rays_that_were_made_give_the_same_hits_when_brought(ti, tiny, store
 def test_both_layouts_give_the_same_hits(ti, tiny, scene, tmp_path):
     odfl = ti.trace(tmp_path / "odfl", scene, "random:1000").good()
     for name, program in [("model", ti), ("rtl", tiny)]:
-        dfl = program.trace(tmp_path / name, scene, "random:1000", "--layout", "dfl").good()
+        config = program.with_keys(tmp_path, layout="dfl")
+        dfl = program.trace(tmp_path / name, scene, "random:1000", config=config).good()
+        assert dfl.report["provenance"]["layout"] == "dfl"
         assert same_hits(dfl, odfl)
         assert same_work(dfl, odfl)
 

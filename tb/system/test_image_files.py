@@ -17,9 +17,8 @@ FORMAT_AND_KINDS, ROOT_NODE, SECTION_COUNT, TABLE = 16, 20, 52, 64
 def write(ti):
     """A function that writes the image of a scene."""
 
-    def write(path, scene=CORNELL, *options):
-        words = [ti.path, "image", "--config", ti.config, "--scene", scene, "--out", path]
-        return call([*words, *options])
+    def write(path, scene=CORNELL, config=ti.config):
+        return call([ti.path, "image", "--config", config, "--scene", scene, "--out", path])
 
     return write
 
@@ -127,6 +126,13 @@ def test_an_image_of_another_format_is_refused(ti, image, tmp_path, out):
     run.refused("cornell.tiim", "(8,23)", "(8,16)")
 
 
+def test_an_image_of_another_layout_is_refused(ti, image, tmp_path, out):
+    config = ti.with_keys(tmp_path, layout="dfl")
+
+    run = ti.trace(out, CORNELL, RAYS, "--image", image, config=config)
+    run.refused("cornell.tiim", "layout odfl", "has dfl", "make image")
+
+
 def test_a_missing_image_is_refused(ti, tmp_path, out):
     for place in (tmp_path / "none.tiim", tmp_path):
         ti.trace(out, CORNELL, RAYS, "--image", place).refused(str(place))
@@ -145,9 +151,10 @@ def test_a_stored_image_gives_the_hits_and_the_work_of_a_built_one(
     write, tiny, scene, tmp_path, layout
 ):
     path = tmp_path / "images" / "a.tiim"
-    write(path, scene, "--layout", layout).good()
-    built = tiny.trace(tmp_path / "built", scene, RAYS, "--layout", layout).good()
-    stored = tiny.trace(tmp_path / "stored", scene, RAYS, "--image", path).good()
+    config = tiny.with_keys(tmp_path, layout=layout)
+    write(path, scene, config).good()
+    built = tiny.trace(tmp_path / "built", scene, RAYS, config=config).good()
+    stored = tiny.trace(tmp_path / "stored", scene, RAYS, "--image", path, config=config).good()
 
     assert same_hits(built, stored)
     for key in ("cycles", "per_ray", "phase", "cache", "image_bytes"):

@@ -58,15 +58,16 @@ def test_two_runs_of_a_command_give_one_report_but_for_times(ti, tiny, tmp_path)
         assert a == b
 
 
-def test_a_report_says_what_it_was_made_from(tiny, out):
-    options = ["--size", "20x10", "--spp", 2, "--seed", 7, "--stall-seed", 3, "--layout", "dfl"]
-    report = tiny.render(out, CORNELL, *options).good().report
+def test_a_report_says_what_it_was_made_from(tiny, tmp_path, out):
+    options = ["--size", "20x10", "--spp", 2, "--seed", 7, "--stall-seed", 3]
+    config = tiny.with_keys(tmp_path, layout="dfl")
+    report = tiny.render(out, CORNELL, *options, config=config).good().report
 
     made = report["provenance"]
     assert made["commit"] and (made["command"], made["scene"]) == ("render", "cornell.gltf")
     assert (made["size"], made["spp"], made["seed"]) == ([20, 10], 2, 7)
     assert (made["layout"], made["waves"]) == ("dfl", 1)
-    assert report["keys"] == json.loads(tiny.config.read_text())
+    assert report["keys"] == json.loads(config.read_text())
     assert report["switches"]["stall_seed"] == 3 and report["switches"]["lock_step"]
     assert 0 < report["hits"] <= report["rays"] == 400
 

@@ -38,6 +38,17 @@ def refused(result, out, *words):
     assert not out.exists()
 
 
+def in_sv(key, value):
+    """A value in SystemVerilog, without a prefix of its width."""
+    return camel(f"{key}_{value}") if SCHEMA.keys[key].kind == "enum" else str(int(value))
+
+
+def in_cpp(key, value):
+    """A value in C++."""
+    enum = SCHEMA.keys[key].kind == "enum"
+    return f"{camel(key)}::k{camel(value)}" if enum else json.dumps(value)
+
+
 # --- Every form of a configuration ---------------------------------------------------------------
 
 
@@ -55,17 +66,13 @@ def test_every_form_has_the_values_of_the_yaml(name, tmp_path):
 
     package = (tmp_path / "ti_config_pkg.sv").read_text()
     header = (tmp_path / "ti_config.hpp").read_text()
-    constants = dict(re.findall(r"localparam (?:int unsigned|bit) (\w+) = (?:1'b)?(\d+);", package))
-    cpp = dict(re.findall(r"inline constexpr (?:int|bool) k(\w+) = (\w+);", header))
+    constants = dict(re.findall(r"localparam \w+(?: unsigned)? (\w+) = (?:1'b)?(\w+);", package))
+    cpp = dict(re.findall(r"inline constexpr \w+ k(\w+) = ([\w:]+);", header))
     hardware = {k: v for k, v in wanted.items() if SCHEMA.keys[k].hardware}
-    for key in [key for key in hardware if SCHEMA.keys[key].values]:
-        enum, value = camel(key), camel(hardware.pop(key))
-        assert f"  localparam {key}_e {enum} = {enum}{value};\n" in package
-        assert f"inline constexpr {enum} k{enum} = {enum}::k{value};\n" in header
-    assert constants == {camel(key): str(int(value)) for key, value in hardware.items()}
+    assert constants == {camel(key): in_sv(key, value) for key, value in hardware.items()}
     macros = re.findall(r"^`define TI_(\w+[A-Z])$", (tmp_path / "ti_config.svh").read_text(), re.M)
     assert {m.lower() for m in macros} == {k for k, value in wanted.items() if value is True}
-    assert cpp == {camel(key): json.dumps(value) for key, value in hardware.items()}
+    assert cpp == {camel(key): in_cpp(key, value) for key, value in hardware.items()}
 
 
 def test_an_override_changes_one_key_and_the_name(tmp_path):
@@ -254,8 +261,8 @@ def test_streams_are_as_many_as_cores_unless_fewer_are_asked_for(cores, given, s
 
 def test_the_defaults_are_a_configuration(tmp_path):
     (tmp_path / "bare.yaml").write_text("num_trv: 24\n")
-    values = configure.load(tmp_path / "bare.yaml").values
-    assert values == SCHEMA.defaults() | {"streams": values["cores"]}
+    # As many streams as cores, since none is given.
+    assert configure.load(tmp_path / "bare.yaml").values == SCHEMA.defaults() | {"streams": 1}
     assert (SCHEMA.keys["exp_bits"].default, SCHEMA.keys["frac_bits"].default) in SCHEMA.formats
 
 
@@ -280,8 +287,8 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("rd_cycles=4", "1 to 3"),
         ("trv_slots=24", "power of two from 2 to 256"),
         ("ist1_slots=1", "power of two from 2 to 256"),
-        ("stack_depth=0", "1 to 64"),
-        ("stack_depth=65", "1 to 64"),
+        ("stack_depth=-1", "0 to 64"),
+        ("stack_depth=65", "0 to 64"),
         ("line_bytes=16", "power of two from 32 to 128"),
         ("line_bytes=96", "power of two from 32 to 128"),
         ("trv_l1_ways=0", "1 to 16"),
@@ -302,6 +309,9 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("streams=3", "streams is 3, but must be 0 or divide cores, 1"),
         ("watchdog_steps=65536", "1 to 65535"),
         ("addr_bits=20", "21 to 64"),
+        ("early_exit=2", "true or false"),
+        ("ray_accumulation=none", "one of gather, retry, blocking"),
+        ("layout=bvh", "one of odfl, dfl"),
         ("counters=2", "true or false"),
         ("clock_mhz=0", "1 to 10000"),
         ("num_trv=two", "num_trv is two, but must be a whole number"),
@@ -398,10 +408,12 @@ def test_one_machine_has_one_engine():
 @pytest.mark.parametrize("key", [key.name for key in SCHEMA.keys.values() if key.hardware])
 def test_every_key_of_the_rtl_makes_another_machine(key):
     rule, value = SCHEMA.keys[key], configure.load("tiny").values[key]
-    others = {"bool": lambda: [not value], "enum": lambda: rule.values}.get(
-        rule.kind, lambda: [value * 2, value + 1, value // 2, value - 1]
-    )
-    other = next(v for v in others() if rule.allows(v) and v != value)
+    if rule.kind == "int":
+        near = (value * 2, value + 1, value // 2, value - 1)
+        others = [v for v in near if v != value and rule.allows(v)]
+    else:
+        others = [v for v in rule.values or (True, False) if v != value]
+    other = others[0]
     a = configure.Configuration(SCHEMA, Path("a.yaml"), SCHEMA.defaults() | {key: value}, {})
     b = configure.Configuration(SCHEMA, Path("a.yaml"), SCHEMA.defaults() | {key: other}, {})
 

@@ -329,18 +329,20 @@ SOME = "every_ray|hit_port|share=0.3|after=333|stay|dropped|flush|corrupt|new_sc
 SHAPES = {
     "tiny": ("", None),
     "cores": (
-        "cores=2 streams=1 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=2 "
+        "cores=2 streams=1 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=0 "
         "rd_cycles=1 trv_l2_bytes=2048 trv_l2_banks=2 trv_l2_ways=2 ist1_l2_bytes=1024 "
         "l2_latency=9 ist1_l2_ways=1 ist1_spill=3",
         SOME,
     ),
     "short_lines": (
         "cores=2 num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4 rd_cycles=2 "
-        "interval_cull=false ist1_choice=slot list_l2_bytes=256 list_l2_ways=2 list_l2_rows=2",
+        "interval_cull=false early_exit=false ray_accumulation=retry "
+        "ist1_choice=slot list_l2_bytes=256 list_l2_ways=2 list_l2_rows=2",
         SOME,
     ),
     "format": (
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
+        "ray_accumulation=blocking "
         "fp_add_stages=6 fp_mul_stages=5 fp_rcp_bits_per_stage=1 ring_delays=0 sync_reset=0",
         f"{SOME}|hard_cases",
     ),

@@ -75,6 +75,7 @@ class Passes:
             for k, value in values.items():
                 getattr(dut, f"{k}_i").value = value
             results.append((kind, slot))
+            dut.inside_miss_i.value = values["miss"] = rng.getrandbits(1)
             if kind == "inside":
                 self.sent[kind].append(payloads().pack("candidate_t", values, home=home))
             else:

@@ -30,6 +30,7 @@ def candidates(rng, count):
     for det, dett, detu, detv in after_b:
         yield {
             "home": {"trv": rng.getrandbits(1), "slot": rng.getrandbits(3)},
+            "miss": int(rng.random() < 0.1),
             "prim": rng.getrandbits(32),
             "det": det,
             "dett": dett,
@@ -41,6 +42,7 @@ def candidates(rng, count):
 def expected(candidate):
     """The token; of a miss only what a home reads of it."""
     hit = numbers().model("pass_c", tuple(candidate[k] for k in ("det", "dett", "detu", "detv")))
+    hit = None if candidate["miss"] else hit
     token = {"home": candidate["home"], "count": 1, "error": 0, "hit": int(hit is not None)}
     if hit:
         token.update(zip("tuv", hit, strict=True), prim=candidate["prim"])

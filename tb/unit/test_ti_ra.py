@@ -5,20 +5,27 @@ import cocotb
 import pytest
 from agents.bench import run, start
 from agents.memory import LineMemory
-from agents.requesters import Requesters
+from agents.requesters import Requesters, Retriers
 from cocotb.triggers import ClockCycles, RisingEdge
 from models.payload import configuration, parameter, payloads
 
-# NumSlots, Rows, Ways, ElemBytes, CacheBytes, and what of the configuration is not that of tiny.
+GATHER, RETRY, BLOCKING = range(3)  # of ti_config_pkg::ray_accumulation_e
+# NumSlots, Rows, Ways, ElemBytes, CacheBytes, Mode, and what is not that of the configuration tiny.
 SHAPES = {
-    "small": (32, 8, 4, 8, 2048, "trv_rows=8"),
-    "tiny": (8, 2, 2, 8, 1024, ""),
-    "one line": (32, 8, 1, 4, 64, "trv_rows=8"),
-    "one set": (16, 8, 4, 32, 256, "trv_rows=8"),
-    "one row": (16, 1, 4, 8, 256, "line_bytes=32"),
-    "two slots": (2, 2, 1, 32, 128, "line_bytes=32"),
-    "odd": (5, 3, 2, 4, 1024, "line_bytes=128 trv_rows=5 addr_bits=40"),
+    "small": (32, 8, 4, 8, 2048, GATHER, "trv_rows=8"),
+    "tiny": (8, 2, 2, 8, 1024, GATHER, ""),
+    "one line": (32, 8, 1, 4, 64, GATHER, "trv_rows=8"),
+    "one set": (16, 8, 4, 32, 256, GATHER, "trv_rows=8"),
+    "one row": (16, 1, 4, 8, 256, GATHER, "line_bytes=32"),
+    "two slots": (2, 2, 1, 32, 128, GATHER, "line_bytes=32"),
+    "odd": (5, 3, 2, 4, 1024, GATHER, "line_bytes=128 trv_rows=5 addr_bits=40"),
+    "retry": (32, 8, 4, 8, 2048, RETRY, "trv_rows=8"),
+    "retry, one set": (16, 8, 4, 32, 256, RETRY, "trv_rows=8"),
+    "retry, one row": (5, 1, 1, 4, 128, RETRY, ""),
+    "blocking": (16, 2, 2, 8, 1024, BLOCKING, ""),
+    "blocking, one line": (4, 1, 1, 4, 64, BLOCKING, ""),
 }
+MODE = parameter("Mode", GATHER)
 SLOTS, ROWS, WAYS = (parameter(name, 1) for name in ("NumSlots", "Rows", "Ways"))
 ROW_IDS = 1 << payloads().width("row_id_t") if hasattr(cocotb, "top") else 1
 PLACES = parameter("CacheBytes", 1) // parameter("LineBytes", 1)
@@ -39,7 +46,7 @@ async def begin(dut):
 def play(dut, rng):
     """Memory and slots of a unit that has been reset, and the tasks that play them."""
     memory = LineMemory(dut, configuration()["line_bytes"], rng)
-    slots = Requesters(dut, memory, rng)
+    slots = (Retriers if MODE == RETRY else Requesters)(dut, memory, rng)
     return memory, slots, [cocotb.start_soon(memory.run()), cocotb.start_soon(slots.run())]
 
 
@@ -115,7 +122,7 @@ async def survives_a_long_mix_of_patterns_and_stalls(dut):
     slots.finish()
 
 
-@cocotb.test()
+@only(MODE == GATHER)
 async def hands_out_a_row_one_ray_a_cycle(dut):
     _, memory, slots = await begin(dut)
     hold(memory)
@@ -130,7 +137,7 @@ async def hands_out_a_row_one_ray_a_cycle(dut):
     assert sorted(t.done for t in tickets) == [filled + 2 + i for i in range(slots.num_slots)]
 
 
-@only(ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
+@only(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
 async def hands_out_two_rows_without_a_gap(dut):
     _, memory, slots = await begin(dut)
     hold(memory)
@@ -168,7 +175,7 @@ async def answers_hits_one_a_cycle(dut):
     assert consecutive([t.done for t in tickets])
 
 
-@only(PLACES > 1)
+@only(MODE == GATHER and PLACES > 1)
 async def answers_hits_while_a_line_is_on_its_way(dut):
     _, memory, slots = await begin(dut)
     await bring(slots, 3)
@@ -184,7 +191,7 @@ async def answers_hits_while_a_line_is_on_its_way(dut):
     await slots.done([late])
 
 
-@cocotb.test()
+@only(MODE != BLOCKING)
 async def a_line_that_comes_first_is_handed_out_first(dut):
     _, memory, slots = await begin(dut)
     lines = list(range(10, 10 + min(slots.rows, slots.sets * slots.ways, slots.num_slots)))
@@ -199,7 +206,7 @@ async def a_line_that_comes_first_is_handed_out_first(dut):
     assert [line for _, line, _ in memory.answered] == lines[::-1]
 
 
-@cocotb.test()
+@only(MODE == GATHER)
 async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
     _, memory, slots = await begin(dut)
     hold(memory)
@@ -219,7 +226,7 @@ async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
     assert all(kind == ("merged" if late <= 0 else "hit") for late, kind in met.items())
 
 
-@only(min(PLACES, SLOTS) > ROWS)
+@only(MODE == GATHER and min(PLACES, SLOTS) > ROWS)
 async def stalls_while_all_rows_are_taken_and_recovers(dut):
     _, memory, slots = await begin(dut)
     hold(memory)
@@ -238,7 +245,7 @@ async def stalls_while_all_rows_are_taken_and_recovers(dut):
     slots.finish()
 
 
-@only(WAYS < ROWS and WAYS + 1 < SLOTS)
+@only(MODE == GATHER and WAYS < ROWS and WAYS + 1 < SLOTS)
 async def stalls_while_all_ways_are_pinned_and_recovers(dut):
     _, memory, slots = await begin(dut)
     lines = [slots.line_of(0, number) for number in range(slots.ways + 1)]
@@ -261,7 +268,7 @@ async def stalls_while_all_ways_are_pinned_and_recovers(dut):
     slots.finish()
 
 
-@cocotb.test()
+@only(MODE == GATHER)
 async def an_error_flags_the_rays_of_its_line_and_the_next_access_asks_again(dut):
     _, memory, slots = await begin(dut)
     bad, good = 8, 9
@@ -311,12 +318,12 @@ async def a_storm_of_conflicts_starves_no_ray(dut, latency):
     )
     await slots.done(tickets)
 
-    assert all(t.kind == "miss" for t in tickets)
+    assert MODE == RETRY or all(t.kind == "miss" for t in tickets)
     assert len(memory.asked) == len(tickets), "a line was asked for twice for one ray"
     slots.finish()
 
 
-@cocotb.test()
+@only(MODE == GATHER)
 @cocotb.parametrize(rays_a_line=[1, 2, 3], latency=[1, 3])
 async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
     """All rows fill at once; then misses that need only some of them stream on."""
@@ -337,7 +344,7 @@ async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
             assert waited <= 2 + 2 * slots.num_slots, f"{ticket.addr:#x}: {waited} cycles"
 
 
-@cocotb.test()
+@only(MODE != RETRY)
 async def forgets_everything_on_reset(dut):
     rng = await start(dut)
     memory, slots, tasks = play(dut, rng)
@@ -362,7 +369,7 @@ async def forgets_everything_on_reset(dut):
     slots.finish()
 
 
-@cocotb.test()
+@only(MODE != RETRY)
 async def forgets_every_line_on_flush(dut):
     rng, _, slots = await begin(dut)
     kept = slots.sets * slots.ways
@@ -403,7 +410,7 @@ async def drops_answers_under_ids_that_no_row_has(dut):
     slots.finish()
 
 
-@cocotb.test()
+@only(MODE == GATHER)
 async def drops_answers_to_rows_that_are_free(dut):
     rng, memory, slots = await begin(dut)
     await bring(slots, 1, 2)
@@ -429,7 +436,7 @@ async def drops_answers_to_rows_that_are_free(dut):
     slots.finish()
 
 
-@cocotb.test()
+@only(MODE == GATHER)
 async def drops_a_second_answer_to_a_row_that_hands_out(dut):
     _, memory, slots = await begin(dut)
     hold(memory)
@@ -468,9 +475,92 @@ async def drops_second_answers_in_traffic(dut, name):
     slots.finish()
 
 
+@only(MODE == BLOCKING)
+async def a_miss_stops_the_unit_until_its_ray_has_the_line(dut):
+    _, memory, slots = await begin(dut)
+    await bring(slots, 3)
+    asked = len(memory.asked)
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(line) for line in ((4, 3, 5) if PLACES > 1 else (4, 4, 5))])
+    await slots.until(lambda: memory.held() == [4])
+    await ClockCycles(dut.clk_i, 50)
+    assert [t.kind for t in tickets] == ["miss", None, None]
+    slots.ready = lambda: False
+    memory.release(4)
+    await ClockCycles(dut.clk_i, 20)
+    assert memory.asked[asked:] == [4], "a second line on its way"
+
+    slots.ready = lambda: True
+    await slots.until(lambda: memory.held() == [5])
+    memory.release(5)
+    await slots.done(tickets)
+    assert [t.kind for t in tickets] == ["miss", "hit", "miss"]
+    slots.finish()
+
+
+@only(MODE == RETRY)
+async def rays_look_again_in_every_cycle_until_their_line_is_there(dut):
+    _, memory, slots = await begin(dut)
+    hold(memory)
+    tickets = slots.ask([slots.any_addr(7) for _ in range(slots.num_slots)])
+    await slots.until(lambda: all(t.taken is not None for t in tickets))
+    before = slots.counts.copy()
+    await ClockCycles(dut.clk_i, 100)
+    assert slots.counts - before == {"access": 100, "merged": 100}
+    assert memory.held() == memory.asked == [7]
+
+    memory.release(7)
+    await slots.done(tickets)
+    filled = memory.answered[-1][0]
+    # One in each cycle, in turn: all within two rounds of the queue.
+    assert max(t.done for t in tickets) - filled <= slots.num_slots + 4
+    assert memory.asked == [7]
+    slots.finish()
+
+
+@only(MODE == RETRY and PLACES > 1)
+async def a_new_ray_takes_turns_with_those_that_look_again(dut):
+    _, memory, slots = await begin(dut)
+    await bring(slots, 3)
+    hold(memory)
+    late = slots.ask([slots.any_addr(4) for _ in range(slots.num_slots // 2)])
+    await slots.until(lambda: all(t.taken is not None for t in late))
+    early = slots.ask([slots.any_addr(3) for _ in range(60)])
+    began = slots.counts["access"]
+    await slots.done(early)
+    looks = slots.counts["access"] - began - 60
+
+    assert all(t.done is None for t in late)
+    assert slots.num_slots < 8 or 50 <= looks <= 70, "half of the look-ups"
+    memory.release(4)
+    await slots.done(late)
+    slots.finish()
+
+
+@only(MODE == RETRY and min(PLACES, SLOTS - 1) > ROWS)
+async def a_ray_without_a_row_keeps_new_rays_out_until_it_has_one(dut):
+    _, memory, slots = await begin(dut)
+    await bring(slots, 3)
+    hold(memory)
+    waiting = slots.ask([slots.any_addr(10 + line) for line in range(slots.rows + 1)])
+    await slots.until(lambda: len(memory.held()) == slots.rows and slots.refused > 2)
+    new = slots.ask([slots.any_addr(3)])
+    await ClockCycles(dut.clk_i, 100)
+    assert new[0].taken is None and slots.refused > 2
+
+    memory.release(memory.held()[0])
+    await slots.until(lambda: len(memory.asked) == slots.rows + 2)
+    await slots.until(lambda: new[0].taken is not None)
+    memory.latency = lambda line: 3
+    for line in memory.held():
+        memory.release(line)
+    await slots.done([*waiting, *new])
+    slots.finish()
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 def test_ti_ra(shape):
-    names = ("NumSlots", "Rows", "Ways", "ElemBytes", "CacheBytes")
+    names = ("NumSlots", "Rows", "Ways", "ElemBytes", "CacheBytes", "Mode")
     *values, overrides = SHAPES[shape]
     params = dict(zip(names, values, strict=True))
     run("ti_ra", "test_ti_ra", config=f"tiny {overrides}".strip(), params=params)

@@ -396,6 +396,7 @@ async def tells_what_it_does_in_each_cycle(dut):
 BUILDS = {
     "tiny": ("trv_slots=8", {"NumSlots": 8, "StackDepth": 4, "WatchdogSteps": 400}),
     "least": ("trv_slots=2", {"NumSlots": 2, "StackDepth": 1, "WatchdogSteps": 60, "Rows": 1}),
+    "no stack": ("trv_slots=4", {"NumSlots": 4, "StackDepth": 0}),
     "half": ("trv_slots=4 exp_bits=7 frac_bits=16", {"NumSlots": 4, "StackDepth": 2}),
     "large": ("trv_slots=32", {"NumSlots": 32, "StackDepth": 8, "CacheBytes": 32768, "Ways": 4}),
 }

@@ -8,14 +8,14 @@
 /// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
 /// the outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state.
 /// The stack of a slot is a ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring
-/// overwrites the oldest.  A slot that has just been taken reads as a fresh ray, so a start writes the
+/// overwrites the oldest, and with a `StackDepth` of 0 there is none.  A slot that has just been taken reads as a fresh ray, so a start writes the
 /// interval alone.
 module ti_kd_state #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
   /// Cycles from step to end, 3 or more.
   parameter int unsigned Lead = 7,
-  localparam int unsigned LevelWidth = $clog2(StackDepth + 1)
+  localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -62,8 +62,6 @@ module ti_kd_state #(
 );
 
   localparam int unsigned PointerWidth = (StackDepth > 1) ? $clog2(StackDepth) : 1;
-  localparam int unsigned StackWords = NumSlots * StackDepth;
-  localparam int unsigned StackAddrWidth = $clog2(StackWords);
 
   typedef ti_pkg::trv_slot_t slot_t;
   typedef logic [PointerWidth-1:0] pointer_t;
@@ -154,25 +152,33 @@ module ti_kd_state #(
     .write_data_i(visit_node_i)
   );
 
-  // Where entries of a slot's ring stand in the memory of all slots.
-  logic [StackAddrWidth-1:0] top_place, push_place;
-  assign top_place = StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) +
+  // The memory of all slots' rings, and where entries of a ring stand in it.
+  if (StackDepth > 0) begin : gen_stack
+    localparam int unsigned StackWords = NumSlots * StackDepth;
+    localparam int unsigned StackAddrWidth = $clog2(StackWords);
+    logic [StackAddrWidth-1:0] top_place, push_place;
+    assign top_place = StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) +
       StackAddrWidth'(late_top);
-  assign push_place = StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) +
+    assign push_place = StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) +
       StackAddrWidth'(state.pointer);
 
-  ti_ram_1r1w #(
-    .Depth (StackWords),
-    .word_t(entry_t)
-  ) u_stack (
-    .clk_i,
-    .read_en_i(late_valid_o),
-    .read_addr_i(top_place),
-    .read_data_o(top),
-    .write_en_i(end_valid_i && push_i),
-    .write_addr_i(push_place),
-    .write_data_i('{node: far_i, tmax: state.interval.tmax})
-  );
+    ti_ram_1r1w #(
+      .Depth (StackWords),
+      .word_t(entry_t)
+    ) u_stack (
+      .clk_i,
+      .read_en_i(late_valid_o),
+      .read_addr_i(top_place),
+      .read_data_o(top),
+      .write_en_i(end_valid_i && push_i),
+      .write_addr_i(push_place),
+      .write_data_i('{node: far_i, tmax: state.interval.tmax})
+    );
+  end else begin : gen_no_stack
+    logic unused;
+    assign unused = ^{far_i, late_top};
+    assign top = '0;
+  end
 
   always_ff @(posedge clk_i) begin
     if (late_valid_o) state_q <= state_ram;
@@ -210,9 +216,6 @@ module ti_kd_state #(
   assign top_node_o = top.node;
   assign top_tmax_o = top.tmax;
 
-  if (StackDepth < 1) begin : gen_check_stack_depth
-    $error("ti_kd_state: StackDepth must be 1 or more");
-  end
   if (Lead < 3) begin : gen_check_lead
     $error("ti_kd_state: Lead must be 3 or more");
   end

@@ -58,7 +58,7 @@ module ti_trv #(
   output ti_count_pkg::trv_events_t events_o  // `room` where an output waits
 );
 
-  localparam int unsigned LevelWidth = $clog2(StackDepth + 1);
+  localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1;
 
   typedef ti_pkg::trv_slot_t slot_t;
   typedef ti_pkg::fp_t fp_t;
@@ -122,7 +122,8 @@ module ti_trv #(
     .Rows      (Rows),
     .ElemBytes (8),
     .CacheBytes(CacheBytes),
-    .Ways      (Ways)
+    .Ways      (Ways),
+    .Mode      (ti_config_pkg::RayAccumulation)
   ) u_ra (
     .clk_i,
     .rst_ni,
