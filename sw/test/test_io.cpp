@@ -164,11 +164,21 @@ TEST_CASE("a picture has its size and is refused when its colours do not fill it
   check_error([&] { (void)png_of(std::span<const glm::vec3>{}, 16384, 8192); }, {"2^26"});
 }
 
+/// The value of a key as a configuration file has it: a number, a truth, or the name of a choice.
+template <class Rule>
+nlohmann::json value_in_file(const Rule& rule, const Config& config) {
+  if constexpr (requires { rule.names; }) {
+    return rule.names[static_cast<std::size_t>(config.*rule.member)];
+  } else {
+    return config.*rule.member;
+  }
+}
+
 /// A configuration with all keys at their defaults, but for those of `changes`.
 nlohmann::json config_json(const nlohmann::json& changes = nlohmann::json::object()) {
   nlohmann::json json{{"name", "odd"}};
   const Config defaults;
-  std::apply([&](const auto&... rule) { ((json[rule.name] = defaults.*rule.member), ...); },
+  std::apply([&](const auto&... rule) { ((json[rule.name] = value_in_file(rule, defaults)), ...); },
              kConfigRules);
   json.update(changes);
   return json;
@@ -189,7 +199,7 @@ TEST_CASE("a configuration is read key by key") {
   const auto same = [&](const auto& rule) {
     const std::string key = rule.name;
     INFO(key);
-    CHECK(json.at(key) == c.*rule.member);
+    CHECK(json.at(key) == value_in_file(rule, c));
   };
   std::apply([&](const auto&... rule) { (same(rule), ...); }, kConfigRules);
 }
@@ -214,6 +224,7 @@ TEST_CASE("a configuration with a missing, wrong or unknown key is refused by it
     refused(config_json({{"exp_bits", value}}), {"`exp_bits`", "from 3 to 8"});
   }
   refused(config_json({{"trv_slots", 24}}), {"`trv_slots`", "a power of two from 2 to 256"});
+  refused(config_json({{"ist1_choice", "random"}}), {"`ist1_choice`", "one of hash, slot, spill"});
   refused(config_json({{"counters", 1}}), {"`counters`", "true or false"});
   check_error([&] { (void)load_config(dir.file("c.json", "{\"name\": ")); }, {"not a JSON"});
   check_error([&] { (void)load_config(dir.file("c.json", "[]")); }, {"not a JSON"});
