@@ -85,7 +85,7 @@ def test_a_report_says_what_the_dram_did(dram, out):
     assert figures["row_hit_share"] == pytest.approx(figures["row_hits"] / figures["reads"])
     assert figures["bandwidth_share"] == pytest.approx(figures["bytes"] / 128 / figures["cycles"])
     assert 0 < figures["bandwidth_share"] < 1 and figures["queue"] > 0
-    assert 8.5 <= figures["latency"] < 100  # CL and a burst are 17 ns, a cycle is 2
+    assert 7.0 <= figures["latency"] < 100  # CL and a burst are 14 ns, a cycle is 2
     due = 8 * (figures["cycles"] // 3900)
     assert due - 16 <= figures["refreshes"] <= due
 
