@@ -8,8 +8,8 @@
 /// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
 /// the outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state.
 /// The stack of a slot is a ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring
-/// overwrites the oldest, and with a `StackDepth` of 0 there is none.  A slot that has just been taken reads as a fresh ray, so a start writes the
-/// interval alone.
+/// overwrites the oldest, and with a `StackDepth` of 0 there is none.  A slot that has just been taken reads as a
+/// fresh ray, so a start writes the interval alone.
 module ti_kd_state #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
