@@ -43,6 +43,7 @@ rtl/traverse/kd/ti_kd_state.sv
 rtl/traverse/kd/ti_trv.sv
 rtl/traverse/ti_traverse.sv
 rtl/intersect/ti_list.sv
+rtl/intersect/ti_ist1_verdict.sv
 rtl/intersect/ti_ist1_pipe.sv
 rtl/intersect/ti_ist1_egress.sv
 rtl/intersect/ti_ist1.sv

@@ -22,12 +22,7 @@
 /// | CMP     | TimeEnd   | mag(limit) + 4 ulp < mag(dett)       | mag(sum) <= mag(det)              |
 /// | CMP     | TimeEnd   | mag(dett) + 4 ulp < mag(nearest)     |                                   |
 ///
-/// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign,
-/// |dett| exceeds |limit| by more than 4 ulp, or |nearest| exceeds |dett| by more than 4 ulp.
-/// The far end counts only where tfar, limit and 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tfar for
-/// certain, as its relative error is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.  The near end
-/// counts only where nearest is a normal number: then dett / det < tnear for certain.
-/// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
+/// What is kept after each pass: `ti_ist1_verdict`.
 module ti_ist1_pipe #(
   /// Width of what travels along untouched.
   parameter int unsigned TagWidth = 1,
@@ -72,8 +67,6 @@ module ti_ist1_pipe #(
   localparam int unsigned W = ti_num_pkg::FpWidth;
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
-  // Units in the last place by which the range test of (a) errs on the side of keeping.
-  localparam int unsigned CullUlps = 4;
 
   // Which pass is where.
   logic [TimeEnd:0] valid_q, pass_b_q;
@@ -441,7 +434,7 @@ module ti_ist1_pipe #(
   );
 
   // TimeEnd.
-  fp_t x1_end, x2_end, limit, audet, av_end, tfar_end, det_in, dett_in;
+  fp_t x1_end, x2_end, limit, audet, av_end, given_end, dett_end;  // given: (a) tfar; (b) det
   logic [TagWidth-1:0] tag_end;
   logic b_end;
   assign b_end = pass_b_q[TimeEnd-1];
@@ -488,140 +481,28 @@ module ti_ist1_pipe #(
     .clk_i,
     .rst_ni,
     .data_i({tag_i, dett_i, pass_b_i ? det_i : tfar_i}),
-    .data_o({tag_end, dett_in, det_in})
-  );
-  assign tfar_end = det_in;
-
-  // What kinds of numbers these are.
-  logic
-      zero_det,
-      finite_det,
-      zero_dett,
-      finite_dett,
-      nan_dett,
-      normal_tfar,
-      normal_limit,
-      normal_nearest;
-  logic zero_x1, nan_x1, zero_x2, nan_x2;
-  ti_fp_class #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_x1_class (  // (a) det, (b) detu
-    .x_i     (x1_end),
-    .zero_o  (zero_x1),
-    .finite_o(finite_det),
-    .normal_o(),
-    .nan_o   (nan_x1)
-  );
-  ti_fp_class #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_x2_class (  // (b) detv
-    .x_i     (x2_end),
-    .zero_o  (zero_x2),
-    .finite_o(),
-    .normal_o(),
-    .nan_o   (nan_x2)
-  );
-  ti_fp_class #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_x3_class (  // (a) dett
-    .x_i     (x3),
-    .zero_o  (zero_dett),
-    .finite_o(finite_dett),
-    .normal_o(),
-    .nan_o   (nan_dett)
-  );
-  ti_fp_class #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_tfar_class (
-    .x_i     (tfar_end),
-    .zero_o  (),
-    .finite_o(),
-    .normal_o(normal_tfar),
-    .nan_o   ()
-  );
-  ti_fp_class #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_limit_class (
-    .x_i     (limit),
-    .zero_o  (),
-    .finite_o(),
-    .normal_o(normal_limit),
-    .nan_o   ()
-  );
-  ti_fp_class #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_nearest_class (
-    .x_i     (nearest),
-    .zero_o  (),
-    .finite_o(),
-    .normal_o(normal_nearest),
-    .nan_o   ()
-  );
-  assign zero_det = zero_x1;
-
-  // (a) |limit| + 4 ulp < |dett|; (b) |sum| <= |det|.
-  fp_t det_a, dett_a, limit_size, limit_up, cmp_a, cmp_b;
-  logic lt, le, inverse_is_normal, cull, good_a, dett_agrees, x1_agrees, x2_agrees, keep_a, keep_b;
-  assign det_a = x1_end;
-  assign dett_a = x3;
-  assign limit_size = {1'b0, limit[W-2:0]};
-  assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
-      limit_size + fp_t'(CullUlps);
-  assign cmp_a = b_end ? {1'b0, x3[W-2:0]} : limit_up;
-  assign cmp_b = {1'b0, b_end ? det_in[W-2:0] : dett_a[W-2:0]};
-  ti_fp_cmp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_cmp (
-    .a_i(cmp_a),
-    .b_i(cmp_b),
-    .lt_o(lt),
-    .eq_o(),
-    .le_o(le),
-    .unordered_o()
+    .data_o({tag_end, dett_end, given_end})
   );
 
-  // (a) |dett| + 4 ulp < |nearest|.
-  fp_t dett_size, dett_up;
-  logic lies_before, cull_near;
-  assign dett_size = {1'b0, dett_a[W-2:0]};
-  assign dett_up   = (dett_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
-      dett_size + fp_t'(CullUlps);
-  ti_fp_cmp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_near (
-    .a_i(dett_up),
-    .b_i({1'b0, nearest[W-2:0]}),
-    .lt_o(lies_before),
-    .eq_o(),
-    .le_o(),
-    .unordered_o()
+  logic keep;
+  ti_ist1_verdict #(
+    .IntervalCull(ti_config_pkg::IntervalCull)
+  ) u_verdict (
+    .pass_b_i (b_end),
+    .x1_i     (x1_end),
+    .x2_i     (x2_end),
+    .x3_i     (x3),
+    .given_i  (given_end),
+    .limit_i  (limit),
+    .nearest_i(nearest),
+    .keep_o   (keep)
   );
-  assign cull_near = lies_before && normal_nearest;
-
-  // Zero, or a number of the same sign.
-  assign dett_agrees = zero_dett || (dett_a[W-1] == det_a[W-1] && !nan_dett);
-  assign x1_agrees = zero_x1 || (x1_end[W-1] == det_in[W-1] && !nan_x1);
-  assign x2_agrees = zero_x2 || (x2_end[W-1] == det_in[W-1] && !nan_x2);
-
-  assign inverse_is_normal = det_a[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
-  assign cull = lt && inverse_is_normal && normal_tfar && normal_limit;
-  assign good_a = !zero_det && finite_det && finite_dett;
-  assign keep_a = good_a && dett_agrees && !cull && !cull_near;
-  assign keep_b = x1_agrees && x2_agrees && le;
 
   always_ff @(posedge clk_i) begin
     if (valid_q[TimeEnd-1]) begin
-      keep_o <= b_end ? keep_b : keep_a;
-      det_o  <= b_end ? det_in : det_a;
-      dett_o <= b_end ? dett_in : dett_a;
+      keep_o <= keep;
+      det_o  <= b_end ? given_end : x1_end;
+      dett_o <= b_end ? dett_end : x3;
       x_o    <= b_end ? x1_end : audet;
       y_o    <= b_end ? x2_end : av_end;
       tag_o  <= tag_end;

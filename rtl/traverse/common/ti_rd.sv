@@ -5,10 +5,11 @@
 
 /// RD, the ray dispatcher: sets rays up, answers those that miss the scene, deals the others to homes.
 ///
-/// One ray in `RayCycles` cycles: the fewer, the more lanes of arithmetic (`ti_rd_clip`); the latency is the same.  Rays
-/// keep their order.  Credits bound the rays inside to `Depth`, so the set-up never stalls.  `DealTile` rays in a row go to the same home while it
-/// has room, so that rays that lie together share an L1; then, and when that home is full, to the next with room.
-/// Rays that miss the scene box do not count.  A ray is dealt in each cycle, but for the one in which a home is found full.
+/// One ray in `RayCycles` cycles: the fewer, the more lanes of arithmetic (`ti_rd_clip`); the latency is the same.
+/// Rays keep their order.  Credits bound the rays inside to `Depth`, so the set-up never stalls.  `DealTile` rays in a
+/// row go to the same home while it has room, so that rays that lie together share an L1; then, and when that home is
+/// full, to the next with room.  Rays that miss the scene box do not count.  A ray is dealt in each cycle, but for the
+/// one in which a home is found full.
 module ti_rd #(
   parameter int unsigned NumTrv = 1,
   parameter int unsigned DealTile = 16,

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// Whether a test is kept: the comparisons at the end of passes (a) and (b).  Combinational, 2 CMP; 1 without
+/// `IntervalCull`.
+///
+/// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign,
+/// |dett| exceeds |limit| by more than 4 ulp, or |nearest| exceeds |dett| by more than 4 ulp.
+/// The far end counts only where tfar, limit and 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tfar for
+/// certain, as its relative error is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.  The near end
+/// counts only where nearest is a normal number: then dett / det < tnear for certain.
+/// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
+module ti_ist1_verdict #(
+  parameter bit IntervalCull = 1'b1
+) (
+  input  logic        pass_b_i,
+  input  ti_pkg::fp_t x1_i,       // (a) det; (b) detu
+  input  ti_pkg::fp_t x2_i,       // (b) detv
+  input  ti_pkg::fp_t x3_i,       // (a) dett; (b) detu + detv
+  input  ti_pkg::fp_t given_i,    // (a) tfar; (b) det
+  input  ti_pkg::fp_t limit_i,    // (a) tfar * det
+  input  ti_pkg::fp_t nearest_i,  // (a) tnear * det
+  output logic        keep_o
+);
+
+  typedef ti_pkg::fp_t fp_t;
+  localparam int unsigned W = ti_num_pkg::FpWidth;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
+  // Units in the last place by which the range test of (a) errs on the side of keeping.
+  localparam int unsigned CullUlps = 4;
+
+  // What kinds of numbers these are.
+  logic zero_x1, finite_x1, nan_x1, zero_x2, nan_x2, zero_x3, finite_x3, nan_x3;
+  logic normal_tfar, normal_limit;
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x1_class (
+    .x_i     (x1_i),
+    .zero_o  (zero_x1),
+    .finite_o(finite_x1),
+    .normal_o(),
+    .nan_o   (nan_x1)
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x2_class (
+    .x_i     (x2_i),
+    .zero_o  (zero_x2),
+    .finite_o(),
+    .normal_o(),
+    .nan_o   (nan_x2)
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x3_class (
+    .x_i     (x3_i),
+    .zero_o  (zero_x3),
+    .finite_o(finite_x3),
+    .normal_o(),
+    .nan_o   (nan_x3)
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_tfar_class (
+    .x_i     (given_i),
+    .zero_o  (),
+    .finite_o(),
+    .normal_o(normal_tfar),
+    .nan_o   ()
+  );
+  ti_fp_class #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_limit_class (
+    .x_i     (limit_i),
+    .zero_o  (),
+    .finite_o(),
+    .normal_o(normal_limit),
+    .nan_o   ()
+  );
+
+  // (a) |limit| + 4 ulp < |dett|; (b) |detu + detv| <= |det|.
+  fp_t limit_size, limit_up, x3_size;
+  logic lt, le, inverse_is_normal, beyond;
+  assign x3_size = {1'b0, x3_i[W-2:0]};
+  assign limit_size = {1'b0, limit_i[W-2:0]};
+  assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
+      limit_size + fp_t'(CullUlps);
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_cmp (
+    .a_i(pass_b_i ? x3_size : limit_up),
+    .b_i(pass_b_i ? {1'b0, given_i[W-2:0]} : x3_size),
+    .lt_o(lt),
+    .eq_o(),
+    .le_o(le),
+    .unordered_o()
+  );
+  assign inverse_is_normal = x1_i[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
+  assign beyond = lt && inverse_is_normal && normal_tfar && normal_limit;
+
+  // (a) |dett| + 4 ulp < |nearest|.
+  logic lies_before;
+  if (IntervalCull) begin : gen_near
+    fp_t x3_up;
+    logic less, normal_nearest;
+    assign x3_up = (x3_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
+        x3_size + fp_t'(CullUlps);
+    ti_fp_class #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_nearest_class (
+      .x_i     (nearest_i),
+      .zero_o  (),
+      .finite_o(),
+      .normal_o(normal_nearest),
+      .nan_o   ()
+    );
+    ti_fp_cmp #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_near (
+      .a_i(x3_up),
+      .b_i({1'b0, nearest_i[W-2:0]}),
+      .lt_o(less),
+      .eq_o(),
+      .le_o(),
+      .unordered_o()
+    );
+    assign lies_before = less && normal_nearest;
+  end else begin : gen_no_near
+    logic unused_nearest;
+    assign unused_nearest = ^nearest_i;
+    assign lies_before = 1'b0;
+  end
+
+  // Zero, or a number of the same sign.
+  logic dett_agrees, detu_agrees, detv_agrees, keep_a, keep_b;
+  assign dett_agrees = zero_x3 || (x3_i[W-1] == x1_i[W-1] && !nan_x3);
+  assign detu_agrees = zero_x1 || (x1_i[W-1] == given_i[W-1] && !nan_x1);
+  assign detv_agrees = zero_x2 || (x2_i[W-1] == given_i[W-1] && !nan_x2);
+
+  assign keep_a = !zero_x1 && finite_x1 && finite_x3 && dett_agrees && !beyond && !lies_before;
+  assign keep_b = detu_agrees && detv_agrees && le;
+  assign keep_o = pass_b_i ? keep_b : keep_a;
+
+endmodule : ti_ist1_verdict
