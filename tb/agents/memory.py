@@ -57,6 +57,10 @@ class LineMemory:
         self.asked = []
         self.answered = []
 
+    def hold(self):
+        """From now on lines stay on their way until they are released."""
+        self.latency = lambda line: None
+
     def release(self, line, after=1):
         """Answer the held request for `line` `after` cycles from now."""
         held = [entry for entry in self._waiting if entry[0] is None and entry[2] == line]

@@ -82,6 +82,11 @@ class Requesters:
         self._wishes.extend(tickets)
         return tickets
 
+    async def bring(self, *lines):
+        """Have `lines` in the cache."""
+        for line in lines:
+            await self.done(self.ask([self.addr(line)]))
+
     async def until(self, condition, patience=5000):
         """Go on until `condition()` holds; fails when nothing moves for `patience` cycles."""
         idle, before = 0, None

@@ -4,7 +4,7 @@
 import cocotb
 import pytest
 from agents.bank_requesters import BankRequesters
-from agents.bench import run, start
+from agents.bench import consecutive, run, start
 from agents.events import Events
 from agents.memory import LineMemory
 from cocotb.triggers import ClockCycles, RisingEdge
@@ -44,21 +44,6 @@ def play(dut, rng):
 
 def ask(slots, lines):
     return slots.ask([slots.addr(line) for line in lines])
-
-
-async def bring(slots, *lines):
-    """Have `lines` in the cache."""
-    for line in lines:
-        await slots.done(ask(slots, [line]))
-
-
-def hold(memory):
-    """From now on lines stay on their way until they are released."""
-    memory.latency = lambda line: None
-
-
-def consecutive(cycles):
-    return sorted(cycles) == list(range(min(cycles), min(cycles) + len(cycles)))
 
 
 PATTERNS = ["one line", "every line", "one set", "near", "of all banks", "far"]
@@ -107,7 +92,7 @@ async def gives_the_right_line_to_the_unit_and_id_that_asked(dut, name, stalls):
 @cocotb.test()
 async def asks_once_for_a_line_that_all_units_want(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     line = slots.of_bank(7)
     tickets = ask(slots, [line] * slots.num_slots)
     await slots.decided(tickets)
@@ -124,7 +109,7 @@ async def asks_once_for_a_line_that_all_units_want(dut):
 async def answers_a_hit_after_exactly_its_latency(dut):
     _, _, slots = await begin(dut)
     line = slots.of_bank(3)
-    await bring(slots, line)
+    await slots.bring(line)
     for wait in range(4):
         (ticket,) = ask(slots, [line])
         await slots.done([ticket])
@@ -137,7 +122,7 @@ async def answers_a_hit_after_exactly_its_latency(dut):
 async def answers_hits_one_a_cycle(dut):
     _, _, slots = await begin(dut)
     lines = [slots.of_bank(3), slots.of_bank(4)]
-    await bring(slots, *lines)
+    await slots.bring(*lines)
     tickets = ask(slots, [lines[i % 2] for i in range(200)])
     await slots.done(tickets)
 
@@ -151,7 +136,7 @@ async def keeps_its_pace_after_answers_have_waited(dut):
     """What is in the delay has room behind it, and no room is lost."""
     rng, _, slots = await begin(dut)
     line = slots.of_bank(3)
-    await bring(slots, line)
+    await slots.bring(line)
     for _ in range(5):
         slots.ready = lambda: False
         waiting = ask(slots, [line] * (SLOTS + 5))
@@ -170,8 +155,8 @@ async def keeps_its_pace_after_answers_have_waited(dut):
 @only(PLACES > 1 and SLOTS > LATENCY + 1)
 async def answers_hits_while_a_line_is_on_its_way(dut):
     _, memory, slots = await begin(dut)
-    await bring(slots, slots.of_bank(3))
-    hold(memory)
+    await slots.bring(slots.of_bank(3))
+    memory.hold()
     (late,) = ask(slots, [slots.of_bank(4)])
     early = ask(slots, [slots.of_bank(3)] * 60)
     await slots.done(early)
@@ -186,7 +171,7 @@ async def answers_hits_while_a_line_is_on_its_way(dut):
 @only(min(PLACES, SLOTS) > ROWS)
 async def stalls_while_all_rows_are_taken_and_recovers(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     lines = [slots.of_bank(number) for number in range(slots.rows + 1)]
     tickets = ask(slots, lines)
     await slots.until(lambda: len(memory.held()) == slots.rows)
@@ -208,7 +193,7 @@ async def an_error_reaches_those_who_waited_and_is_not_kept(dut):
     _, memory, slots = await begin(dut)
     bad, good = slots.of_bank(8), slots.of_bank(9)
     memory.error = lambda line: line == bad
-    hold(memory)
+    memory.hold()
     others = slots.sets * slots.ways > 1 and slots.rows > 1
     lines = [bad if i % 2 or not others else good for i in range(slots.num_slots)]
     first = ask(slots, lines)
@@ -248,18 +233,18 @@ async def keeps_as_many_lines_of_its_number_as_it_has_places(dut):
 @only(WAYS > 1)
 async def a_line_used_lately_stays(dut):
     _, _, slots = await begin(dut)
-    await bring(slots, *(slots.line_of(0, number) for number in range(slots.ways)))
+    await slots.bring(*(slots.line_of(0, number) for number in range(slots.ways)))
     for extra in range(3 * slots.ways):
         used = ask(slots, [slots.line_of(0, 0)])
         await slots.done(used)
         assert used[0].kind == "hit", f"gone after {extra} other lines"
-        await bring(slots, slots.line_of(0, slots.ways + extra))
+        await slots.bring(slots.line_of(0, slots.ways + extra))
 
 
 @cocotb.test()
 async def says_what_it_waits_for(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     line = slots.of_bank(1)
     before = slots.events.counts()
     await ClockCycles(dut.clk_i, 10)
@@ -296,8 +281,8 @@ async def forgets_everything_on_reset(dut):
     rng = await start(dut)
     memory, slots, tasks = play(dut, rng)
     lines = [slots.of_bank(number) for number in (1, 2, 3)]
-    await bring(slots, *lines[:2])
-    hold(memory)
+    await slots.bring(*lines[:2])
+    memory.hold()
     slots.ready = lambda: False
     ask(slots, lines)
     await ClockCycles(dut.clk_i, 2 * LATENCY)  # lines on their way, requests in the delay

@@ -3,7 +3,7 @@
 
 import cocotb
 import pytest
-from agents.bench import run, start
+from agents.bench import consecutive, run, start
 from agents.memory import LineMemory
 from agents.requesters import Requesters, Retriers
 from cocotb.triggers import ClockCycles, RisingEdge
@@ -48,21 +48,6 @@ def play(dut, rng):
     memory = LineMemory(dut, configuration()["line_bytes"], rng)
     slots = (Retriers if MODE == RETRY else Requesters)(dut, memory, rng)
     return memory, slots, [cocotb.start_soon(memory.run()), cocotb.start_soon(slots.run())]
-
-
-async def bring(slots, *lines):
-    """Have `lines` in the cache."""
-    for line in lines:
-        await slots.done(slots.ask([slots.addr(line)]))
-
-
-def hold(memory):
-    """From now on lines stay on their way until they are released."""
-    memory.latency = lambda line: None
-
-
-def consecutive(cycles):
-    return sorted(cycles) == list(range(min(cycles), min(cycles) + len(cycles)))
 
 
 PATTERNS = ["one line", "walk", "every line", "one set", "near", "far"]
@@ -125,7 +110,7 @@ async def survives_a_long_mix_of_patterns_and_stalls(dut):
 @only(MODE == GATHER)
 async def hands_out_a_row_one_ray_a_cycle(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(7) for _ in range(slots.num_slots)])
     await slots.decided(tickets)
     await ClockCycles(dut.clk_i, 3)
@@ -140,7 +125,7 @@ async def hands_out_a_row_one_ray_a_cycle(dut):
 @only(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
 async def hands_out_two_rows_without_a_gap(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(6 + i % 2) for i in range(slots.num_slots)])
     await slots.decided(tickets)
     await ClockCycles(dut.clk_i, 3)
@@ -154,7 +139,7 @@ async def hands_out_two_rows_without_a_gap(dut):
 @cocotb.test()
 async def answers_a_hit_after_two_cycles(dut):
     _, _, slots = await begin(dut)
-    await bring(slots, 3)
+    await slots.bring(3)
     for elem in range(slots.line_bytes // slots.elem_bytes):
         (ticket,) = slots.ask([slots.addr(3, elem)])
         await slots.done([ticket])
@@ -164,7 +149,7 @@ async def answers_a_hit_after_two_cycles(dut):
 @cocotb.test()
 async def answers_hits_one_a_cycle(dut):
     _, _, slots = await begin(dut)
-    await bring(slots, 3)
+    await slots.bring(3)
     # A slot asks again three cycles after it asked, so three slots fill the unit.
     count = 100 if slots.num_slots >= 3 else slots.num_slots
     tickets = slots.ask([slots.any_addr(3) for _ in range(count)])
@@ -178,8 +163,8 @@ async def answers_hits_one_a_cycle(dut):
 @only(MODE == GATHER and PLACES > 1)
 async def answers_hits_while_a_line_is_on_its_way(dut):
     _, memory, slots = await begin(dut)
-    await bring(slots, 3)
-    hold(memory)
+    await slots.bring(3)
+    memory.hold()
     (late,) = slots.ask([slots.any_addr(4)])
     count = 60 if slots.num_slots >= 4 else 1
     early = slots.ask([slots.any_addr(3) for _ in range(count)])
@@ -195,7 +180,7 @@ async def answers_hits_while_a_line_is_on_its_way(dut):
 async def a_line_that_comes_first_is_handed_out_first(dut):
     _, memory, slots = await begin(dut)
     lines = list(range(10, 10 + min(slots.rows, slots.sets * slots.ways, slots.num_slots)))
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(line) for line in lines])
     await slots.decided(tickets)
     await slots.until(lambda: len(memory.held()) == len(lines))
@@ -209,7 +194,7 @@ async def a_line_that_comes_first_is_handed_out_first(dut):
 @only(MODE == GATHER)
 async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     met = {}
     for wait in range(8):
         line = 20 + wait
@@ -229,7 +214,7 @@ async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
 @only(MODE == GATHER and min(PLACES, SLOTS) > ROWS)
 async def stalls_while_all_rows_are_taken_and_recovers(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(line) for line in range(slots.rows + 1)])
     await slots.until(lambda: len(memory.held()) == slots.rows)
     await ClockCycles(dut.clk_i, 20)
@@ -249,7 +234,7 @@ async def stalls_while_all_rows_are_taken_and_recovers(dut):
 async def stalls_while_all_ways_are_pinned_and_recovers(dut):
     _, memory, slots = await begin(dut)
     lines = [slots.line_of(0, number) for number in range(slots.ways + 1)]
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(line) for line in [lines[0], *lines]])
     await slots.until(lambda: len(memory.held()) == slots.ways)
     await ClockCycles(dut.clk_i, 20)
@@ -273,7 +258,7 @@ async def an_error_flags_the_rays_of_its_line_and_the_next_access_asks_again(dut
     _, memory, slots = await begin(dut)
     bad, good = 8, 9
     memory.error = lambda line: line == bad
-    hold(memory)
+    memory.hold()
     others = slots.sets * slots.ways > 1 and slots.rows > 1
     addrs = [bad if i % 2 or not others else good for i in range(slots.num_slots)]
     first = slots.ask([slots.any_addr(line) for line in addrs])
@@ -299,12 +284,12 @@ async def an_error_flags_the_rays_of_its_line_and_the_next_access_asks_again(dut
 @only(WAYS > 1)
 async def a_line_used_lately_stays(dut):
     _, _, slots = await begin(dut)
-    await bring(slots, *(slots.line_of(0, number) for number in range(slots.ways)))
+    await slots.bring(*(slots.line_of(0, number) for number in range(slots.ways)))
     for extra in range(3 * slots.ways):
         used = slots.ask([slots.any_addr(slots.line_of(0, 0))])
         await slots.done(used)
         assert used[0].kind == "hit", f"gone after {extra} other lines"
-        await bring(slots, slots.line_of(0, slots.ways + extra))
+        await slots.bring(slots.line_of(0, slots.ways + extra))
 
 
 @cocotb.test()
@@ -328,7 +313,7 @@ async def a_storm_of_conflicts_starves_no_ray(dut, latency):
 async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
     """All rows fill at once; then misses that need only some of them stream on."""
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     rows = min(slots.rows, slots.sets * slots.ways, slots.num_slots)
     first = slots.ask([slots.any_addr(line) for line in range(rows)])
     await slots.until(lambda: len(memory.held()) == rows)
@@ -348,8 +333,8 @@ async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
 async def forgets_everything_on_reset(dut):
     rng = await start(dut)
     memory, slots, tasks = play(dut, rng)
-    await bring(slots, 1, 2)
-    hold(memory)
+    await slots.bring(1, 2)
+    memory.hold()
     slots.ready = lambda: False
     lost = slots.ask([slots.any_addr(line) for line in (2, 3)])
     await slots.decided(lost)  # a line on its way and, if there is room, an answer at the port
@@ -413,14 +398,14 @@ async def drops_answers_under_ids_that_no_row_has(dut):
 @only(MODE == GATHER)
 async def drops_answers_to_rows_that_are_free(dut):
     rng, memory, slots = await begin(dut)
-    await bring(slots, 1, 2)
+    await slots.bring(1, 2)
     for row in range(slots.rows):  # to an idle unit
         memory.stray(row)
     await ClockCycles(dut.clk_i, slots.rows + 4)
     again = slots.ask([slots.any_addr(line) for line in (1, 2)])
     await slots.done(again)
 
-    hold(memory)  # and while other rows wait
+    memory.hold()  # and while other rows wait
     lines = list(range(10, 10 + min(slots.rows, slots.sets * slots.ways, slots.num_slots)))
     tickets = slots.ask([slots.any_addr(line) for line in lines])
     await slots.until(lambda: len(memory.held()) == len(lines))
@@ -439,7 +424,7 @@ async def drops_answers_to_rows_that_are_free(dut):
 @only(MODE == GATHER)
 async def drops_a_second_answer_to_a_row_that_hands_out(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(7) for _ in range(slots.num_slots)])
     await slots.decided(tickets)
     await slots.until(lambda: memory.held() == [7])
@@ -478,9 +463,9 @@ async def drops_second_answers_in_traffic(dut, name):
 @only(MODE == BLOCKING)
 async def a_miss_stops_the_unit_until_its_ray_has_the_line(dut):
     _, memory, slots = await begin(dut)
-    await bring(slots, 3)
+    await slots.bring(3)
     asked = len(memory.asked)
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(line) for line in ((4, 3, 5) if PLACES > 1 else (4, 4, 5))])
     await slots.until(lambda: memory.held() == [4])
     await ClockCycles(dut.clk_i, 50)
@@ -501,7 +486,7 @@ async def a_miss_stops_the_unit_until_its_ray_has_the_line(dut):
 @only(MODE == RETRY)
 async def rays_look_again_in_every_cycle_until_their_line_is_there(dut):
     _, memory, slots = await begin(dut)
-    hold(memory)
+    memory.hold()
     tickets = slots.ask([slots.any_addr(7) for _ in range(slots.num_slots)])
     await slots.until(lambda: all(t.taken is not None for t in tickets))
     before = slots.counts.copy()
@@ -521,8 +506,8 @@ async def rays_look_again_in_every_cycle_until_their_line_is_there(dut):
 @only(MODE == RETRY and PLACES > 1)
 async def a_new_ray_takes_turns_with_those_that_look_again(dut):
     _, memory, slots = await begin(dut)
-    await bring(slots, 3)
-    hold(memory)
+    await slots.bring(3)
+    memory.hold()
     late = slots.ask([slots.any_addr(4) for _ in range(slots.num_slots // 2)])
     await slots.until(lambda: all(t.taken is not None for t in late))
     early = slots.ask([slots.any_addr(3) for _ in range(60)])
@@ -540,8 +525,8 @@ async def a_new_ray_takes_turns_with_those_that_look_again(dut):
 @only(MODE == RETRY and min(PLACES, SLOTS - 1) > ROWS)
 async def a_ray_without_a_row_keeps_new_rays_out_until_it_has_one(dut):
     _, memory, slots = await begin(dut)
-    await bring(slots, 3)
-    hold(memory)
+    await slots.bring(3)
+    memory.hold()
     waiting = slots.ask([slots.any_addr(10 + line) for line in range(slots.rows + 1)])
     await slots.until(lambda: len(memory.held()) == slots.rows and slots.refused > 2)
     new = slots.ask([slots.any_addr(3)])
