@@ -111,3 +111,16 @@ def test_the_citation_names_the_paper():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["license"] == "Apache-2.0"
     assert citation["references"][0]["doi"] == "10.1145/2024156.2024194"
+
+
+def test_the_speed_of_four_cores_in_the_tables_is_that_of_the_stored_bench():
+    bench = json.loads((ROOT / "docs/results/bench-paper-4-dram.json").read_text())
+    assert len(bench["cells"]) == 9
+    readme = (ROOT / "README.md").read_text()
+    gains = (ROOT / "docs/results/gains.md").read_text()
+    for cell in bench["cells"]:
+        assert cell["good"]
+        speed, size = f"{cell['mrays_per_s']:.1f}", f"{cell['per_ray']['dram_bytes']:.0f}"
+        assert f"| {cell['cycles']:,} | {speed} | {size} |" in readme
+        scene = cell["scene"].split(".")[0]
+        assert f"| {scene} | {cell['ray_type']} | {speed} |" in gains
