@@ -83,6 +83,7 @@ BAD = [
     ("ti_counters", {"Num": 0}, "Num must be 1 or more"),
     ("ti_rd_clip", {"RayCycles": 0}, "RayCycles must be 1 to 3"),
     ("ti_rd_clip", {"RayCycles": 4}, "RayCycles must be 1 to 3"),
+    ("ti_rd", {"RayCycles": 0}, "ti_rd_clip: RayCycles must be 1 to 3"),
     ("ti_rd", {"RayCycles": 4}, "ti_rd_clip: RayCycles must be 1 to 3"),
 ]
 # These take what they are given.

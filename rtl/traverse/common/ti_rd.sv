@@ -22,7 +22,7 @@ module ti_rd #(
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned Latency = AcceptLatency + RayCycles - 1 + ClipLatency + QueueLatency,
   // A credit is away for `Latency` + 1 cycles; some more are for rays that wait for a home.
-  localparam int unsigned Depth = (Latency + RayCycles) / RayCycles + 7
+  localparam int unsigned Depth = (Latency + RayCycles) / ((RayCycles > 0) ? RayCycles : 1) + 7
 ) (
   input logic clk_i,
   input logic rst_ni,
