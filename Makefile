@@ -24,6 +24,7 @@ MEM_BANDWIDTH ?=
 SCENES ?=
 CORES ?=
 N ?=
+VARIANTS ?=
 LIMIT ?=
 TEST ?=
 UNIT ?=
@@ -98,10 +99,15 @@ trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or rando
 	  --out $(call out,build/trace/$(run_name)-"$$(scripts/scene.sh rays $(call q,RAYS))")
 
 bench: check-mem engine sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=ideal|fixed|dram N= SIZE= OUT=)
-	@python scripts/bench.py --config $(config)/config.json --library $(engine)/libti_rtl.so $(memory) \
-	  --scene $(foreach s,$(bench_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')") \
-	  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--count,N) \
-	  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE)) --out $(call out,build/bench/$(notdir $(config)))
+	@python scripts/bench.py --config $(config)/config.json --library $(engine)/libti_rtl.so \
+	  $(bench_options) --out $(call out,build/bench/$(notdir $(config)))
+bench compare: bench_options = $(memory) --scene $(foreach s,$(bench_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')") \
+  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--count,N) \
+  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE))
+
+compare: need-VARIANTS check-mem build/setup.stamp sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## A bench for each variant, side by side (VARIANTS="layout=dfl; stack_depth=0 trv_slots=8" and the words of bench)
+	@python scripts/compare.py --config $(call q,CONFIG) $(call opt,--set,SET) $(call opt,--cores,CORES) \
+	  --variants $(call q,VARIANTS) $(bench_options) --out $(call out,build/compare/$(notdir $(config)))
 
 image: config build/sw/ti $(filter $(knot),$(SCENE:knot=$(knot))) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)

@@ -19,10 +19,12 @@ def _file(item):
 
 
 def pytest_collection_modifyitems(items):
-    """A file that was never timed may be long; of two such files, the one with more tests."""
+    """A file that was never timed may be long; of two such files, the one with fewer tests, as
+    those of a whole machine are few and long.
+    """
     known = _known()
     tests = Counter(map(_file, items))
-    items.sort(key=lambda item: (-known.get(_file(item), float("inf")), -tests[_file(item)]))
+    items.sort(key=lambda item: (-known.get(_file(item), float("inf")), tests[_file(item)]))
 
 
 def pytest_runtest_logreport(report):
