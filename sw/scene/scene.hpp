@@ -6,27 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "scene/light.hpp"
+#include "scene/material.hpp"
 #include "scene/mesh.hpp"
 
 namespace ti {
 
-struct Material {
-  std::string name = "default";
-  glm::vec3 diffuse{0.7F};   ///< Kd, linear
-  glm::vec3 emission{0.0F};  ///< Ke, linear
-};
-
-/// Pinhole camera.
+/// Thin lens; a pinhole when the aperture is 0.
 struct Camera {
   glm::vec3 eye{0.0F, 0.0F, 3.0F};
   glm::vec3 target{0.0F};
   glm::vec3 up{0.0F, 1.0F, 0.0F};
-  float fov_y_deg = 45.0F;  ///< vertical field of view
-};
-
-struct PointLight {
-  glm::vec3 position{0.0F};
-  glm::vec3 intensity{1.0F};
+  float fov_y_deg = 45.0F;     ///< vertical field of view
+  float aperture = 0.0F;       ///< diameter of the lens
+  float focus_distance = 0.0F;  ///< of the plane that is sharp, along the view; 0: through `target`
 };
 
 struct Scene {
@@ -34,7 +27,7 @@ struct Scene {
   Mesh mesh;
   std::vector<Material> materials;  ///< at least one
   Camera camera;
-  std::vector<PointLight> lights;  ///< empty: a headlight at the eye
+  std::vector<Light> lights;  ///< those without an area
   std::vector<std::string> warnings;
 };
 
