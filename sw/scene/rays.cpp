@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
+#include "scene/camera.hpp"
 #include "scene/geometry.hpp"
 #include "scene/random.hpp"
 
@@ -19,67 +20,6 @@ namespace {
 
 constexpr int kMaxSpp = 65536;
 constexpr float kShadowEnd = 0.999F;
-
-/// The even bits of a Morton code, packed.
-std::uint32_t even_bits(std::uint32_t code) {
-  code &= 0x55555555U;
-  code = (code | code >> 1) & 0x33333333U;
-  code = (code | code >> 2) & 0x0F0F0F0FU;
-  code = (code | code >> 4) & 0x00FF00FFU;
-  return (code | code >> 8) & 0x0000FFFFU;
-}
-
-std::uint32_t spread(std::uint32_t x) {
-  x = (x | x << 8) & 0x00FF00FFU;
-  x = (x | x << 4) & 0x0F0F0F0FU;
-  x = (x | x << 2) & 0x33333333U;
-  return (x | x << 1) & 0x55555555U;
-}
-
-std::vector<std::uint32_t> morton_codes(std::uint32_t width, std::uint32_t height) {
-  std::vector<std::uint32_t> codes;
-  codes.reserve(static_cast<std::size_t>(width) * height);
-  for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      codes.push_back(spread(x) | spread(y) << 1);
-    }
-  }
-  std::sort(codes.begin(), codes.end());
-  return codes;
-}
-
-/// Three vectors with eye + x * right + y * up + forward on the image plane at distance 1.
-struct Frame {
-  glm::dvec3 right;
-  glm::dvec3 up;
-  glm::dvec3 forward;
-};
-
-Frame frame_of(const Camera& camera) {
-  const glm::dvec3 forward = glm::dvec3(camera.target) - glm::dvec3(camera.eye);
-  const double distance = glm::length(forward);
-  if (!(distance > 0.0) || !std::isfinite(distance)) {
-    throw Error("the camera has no direction; choose a finite target that is not the eye");
-  }
-  if (!(camera.fov_y_deg > 0.0F && camera.fov_y_deg < 180.0F)) {
-    throw Error(fmt::format("the camera's field of view is {} degrees; choose one inside 0 to 180",
-                            camera.fov_y_deg));
-  }
-  Frame f;
-  f.forward = forward / distance;
-  f.right = glm::cross(f.forward, glm::dvec3(camera.up));
-  if (!(glm::length(f.right) > 1e-6 * glm::length(glm::dvec3(camera.up)))) {
-    // `up` is zero or along the view: take the coordinate axis that is the least along it.
-    const glm::dvec3 a = glm::abs(f.forward);
-    const glm::dvec3 axis = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
-                            : a.y <= a.z             ? glm::dvec3(0, 1, 0)
-                                                     : glm::dvec3(0, 0, 1);
-    f.right = glm::cross(f.forward, axis);
-  }
-  f.right = glm::normalize(f.right);
-  f.up = glm::cross(f.right, f.forward);
-  return f;
-}
 
 std::uint64_t hits_in(std::span<const Hit> hits) {
   return static_cast<std::uint64_t>(
@@ -99,43 +39,31 @@ int strata_columns(int n) {
 }  // namespace
 
 PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp, std::uint64_t seed) {
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
-    throw Error(fmt::format("a picture of {}x{} is not possible; choose 1 to {} a side", width,
-                            height, kMaxSide));
-  }
+  const CameraRays camera_rays(camera, width, height);
   if (spp < 1 || spp > kMaxSpp) {
     throw Error(fmt::format("{} rays a pixel are not possible; choose 1 to {}", spp, kMaxSpp));
   }
   check_ray_count(fmt::format("SIZE={}x{} SPP={}", width, height, spp),
                   static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
                   static_cast<std::uint64_t>(spp));
-  const Frame frame = frame_of(camera);
-  constexpr double kHalfRadian = 3.14159265358979323846 / 360.0;
-  const double half_height = std::tan(static_cast<double>(camera.fov_y_deg) * kHalfRadian);
-  const double half_width = half_height * width / height;
   const int columns = strata_columns(spp);
   const int rows = spp / columns;
 
   PrimaryRays out;
-  const auto codes =
-      morton_codes(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
-  out.rays.reserve(codes.size() * static_cast<std::size_t>(spp));
+  const std::vector<std::uint32_t> order = morton_order(width, height);
+  out.rays.reserve(order.size() * static_cast<std::size_t>(spp));
   out.index.reserve(out.rays.capacity());
-  for (const std::uint32_t code : codes) {
-    const std::uint32_t x = even_bits(code);
-    const std::uint32_t y = even_bits(code >> 1);
-    const std::uint32_t pixel = y * static_cast<std::uint32_t>(width) + x;
+  for (const std::uint32_t pixel : order) {
+    const auto w = static_cast<std::uint32_t>(width);
+    const glm::dvec2 corner(pixel % w, pixel / w);
     Random random(seed, pixel);
     for (int s = 0; s < spp; ++s) {
-      const double jx = spp == 1 ? 0.5 : (s % columns + random.uniform()) / columns;
-      const double jy =
-          spp == 1 ? 0.5 : (static_cast<double>(s / columns) + random.uniform()) / rows;
-      const double px = (2.0 * (x + jx) / width - 1.0) * half_width;
-      const double py = (1.0 - 2.0 * (y + jy) / height) * half_height;
-      Ray ray;
-      ray.o = camera.eye;
-      ray.d = glm::vec3(glm::normalize(frame.forward + px * frame.right + py * frame.up));
-      out.rays.push_back(ray);
+      glm::dvec2 place(0.5);
+      if (spp > 1) {
+        place.x = (s % columns + random.uniform()) / columns;
+        place.y = (static_cast<double>(s / columns) + random.uniform()) / rows;
+      }
+      out.rays.push_back(camera_rays.at(corner + place));
       out.index.push_back(pixel);
     }
   }
