@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace ti {
+
+/// What a picture may call for beside its primary rays.
+enum class Effect : std::size_t {
+  Shadows,          ///< of lights without an area
+  SoftShadows,      ///< of emissive triangles
+  Interreflection,  ///< light that comes from matt surfaces or the background
+  Glossy,
+  Mirror,
+  Glass,
+  Lens,       ///< depth of field
+  Roulette,   ///< dim paths end at random, and those that go on count for more
+  PathBound,  ///< a path ends when what it can still add is below a step of the output
+  AmbientOcclusion,  ///< an integrator of its own
+};
+constexpr std::size_t kEffects = 10;
+
+using EffectSet = std::bitset<kEffects>;
+
+[[nodiscard]] std::string_view name_of(Effect effect);
+
+/// What `EFFECTS=` asks for.
+///
+/// `auto`, `all` or `none`, then effects with + or - (`auto-glossy`, `none+shadows+mirror`); or the
+/// name of one effect (`ao`), which stands for `none` and that one.
+struct EffectRequest {
+  enum class Base { Auto, All, None };
+  Base base = Base::Auto;
+  EffectSet added;
+  EffectSet removed;
+
+  /// Throws `Error` for a word that is none of these.
+  [[nodiscard]] static EffectRequest of(const std::string& text);
+};
+
+}  // namespace ti

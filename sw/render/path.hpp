@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "base/format.hpp"
+#include "render/effects.hpp"
+#include "render/film.hpp"
+#include "render/lights.hpp"
+#include "render/lobes.hpp"
+#include "scene/scene.hpp"
+
+namespace ti {
+
+/// Kinds of rays of a picture; those of the lobes stand in the order of `Lobe`.
+enum class RayKind : std::size_t { Primary, Shadow, Diffuse, Glossy, Mirror, Glass, Occlusion };
+constexpr std::size_t kRayKinds = 7;
+[[nodiscard]] const char* name_of(RayKind kind);
+
+struct PathOptions {
+  int width = 256;
+  int height = 256;
+  int spp = 1;
+  int bounces = 4;  ///< scatterings of a path at most; 0: what emits is all there is
+  std::uint64_t seed = 1;
+  Format format;  ///< of the engine that traces
+  EffectSet effects;
+  /// Trace every ray that an effect could want, whatever it can add.
+  bool everything = false;
+  /// A path ends below this: luminance times throughput that is no step of the output any more.
+  double least = 0.0;
+  double radius = 0.0;  ///< of ambient occlusion
+};
+
+/// Rays of each kind, by `RayKind`.
+using RayCounts = std::array<std::uint64_t, kRayKinds>;
+
+/// Path tracing in waves of rays (Laine, Karras, Aila, Megakernels Considered Harmful, HPG 2013), on
+/// any engine.
+///
+/// The radiance of a sample is the sum, over the bounces, of what is emitted towards it and of the
+/// direct light of each lobe; `docs/architecture.md`, "Pictures", has the rules. Each ray of `trace`
+/// has its hit at the same place of the answer; fewer hits than rays end the picture.
+class PathTracer {
+ public:
+  /// Traces rays; of shadow rays only hit or miss counts (`Ray::any`).
+  using Trace = std::function<std::vector<Hit>(std::span<const Ray>)>;
+
+  PathTracer(const Scene& scene, const PathOptions& options, Trace trace);
+
+  /// Adds all samples to the film, or fewer when the engine stops. A scene without any light is lit
+  /// from the eye.
+  void render(Film& film);
+
+  [[nodiscard]] const RayCounts& rays() const { return rays_; }
+  /// What all ended paths together could have added to the sum of all pixels, at most.
+  [[nodiscard]] double left_out() const { return left_out_; }
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
+ private:
+  struct Path;
+  struct ShadowRay;
+  struct Shaded;
+
+  void trace_batch(std::span<const std::uint32_t> pixels, std::uint32_t sample, Film& film);
+  [[nodiscard]] std::vector<Path> begin(std::span<const std::uint32_t> pixels, std::uint32_t sample) const;
+  [[nodiscard]] std::vector<Hit> hits_of(std::span<const Ray> rays);
+  [[nodiscard]] Shaded shade(const Path& path, const Hit& hit, int bounce) const;
+  void add_direct(Shaded& out, const Path& path, const struct Vertex& vertex, int bounce) const;
+  void add_scattered(Shaded& out, const Path& path, const struct Vertex& vertex, int bounce) const;
+
+  const Scene& scene_;
+  PathOptions options_;
+  Trace trace_;
+  Lights lights_;
+  bool headlight_;
+  RayCounts rays_{};
+  double left_out_ = 0.0;
+  bool stopped_ = false;
+};
+
+}  // namespace ti

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/sampler.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <vector>
+
+namespace ti {
+namespace {
+
+std::vector<glm::dvec2> samples(Dimension dimension, int count, std::uint32_t pixel = 7) {
+  std::vector<glm::dvec2> out;
+  for (int i = 0; i < count; ++i)
+    out.push_back(Sampler(1, pixel, static_cast<std::uint32_t>(i)).get2(dimension));
+  return out;
+}
+
+double correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum_ab = 0.0;
+  double sum_a = 0.0;
+  double sum_b = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum_ab += (a[i] - 0.5) * (b[i] - 0.5);
+    sum_a += (a[i] - 0.5) * (a[i] - 0.5);
+    sum_b += (b[i] - 0.5) * (b[i] - 0.5);
+  }
+  return sum_ab / std::sqrt(sum_a * sum_b);
+}
+
+TEST_CASE("sampler: each power of two of samples has one point in each elementary interval") {
+  for (const int power : {0, 1, 2, 4, 7, 10}) {
+    const int count = 1 << power;
+    for (const Dimension dimension :
+         {Dimension{0, Purpose::Pixel}, Dimension{3, Purpose::Diffuse}, Dimension{1, Purpose::LightPoint}}) {
+      const auto points = samples(dimension, count);
+      for (int columns = 0; columns <= power; ++columns) {
+        const int across = 1 << columns;
+        const int down = count / across;
+        std::set<std::pair<int, int>> boxes;
+        for (const glm::dvec2& p : points)
+          boxes.insert({static_cast<int>(p.x * across), static_cast<int>(p.y * down)});
+        CHECK(boxes.size() == points.size());
+      }
+    }
+  }
+}
+
+TEST_CASE("sampler: numbers are in [0, 1) and belong to what they are for") {
+  const Sampler sampler(1, 5, 3);
+  CHECK(sampler.get2({0, Purpose::Pixel}) == Sampler(1, 5, 3).get2({0, Purpose::Pixel}));
+  CHECK(sampler.get1({0, Purpose::Pixel}) == sampler.get2({0, Purpose::Pixel}).x);
+  CHECK(sampler.get2({0, Purpose::Pixel}) != sampler.get2({1, Purpose::Pixel}));
+  CHECK(sampler.get2({0, Purpose::Pixel}) != sampler.get2({0, Purpose::Lens}));
+  CHECK(sampler.get2({0, Purpose::Pixel}) != Sampler(1, 6, 3).get2({0, Purpose::Pixel}));
+  CHECK(sampler.get2({0, Purpose::Pixel}) != Sampler(2, 5, 3).get2({0, Purpose::Pixel}));
+  for (std::uint32_t i = 0; i < 10000; ++i) {
+    const glm::dvec2 p = Sampler(i, i, i).get2({static_cast<int>(i % 9), Purpose::Glossy});
+    REQUIRE(p.x >= 0.0);
+    REQUIRE(p.x < 1.0);
+    REQUIRE(p.y >= 0.0);
+    REQUIRE(p.y < 1.0);
+  }
+}
+
+TEST_CASE("sampler: dimensions and pixels are not correlated") {
+  constexpr int kCount = 4096;
+  const auto pixel = samples({0, Purpose::Pixel}, kCount);
+  const auto lens = samples({0, Purpose::Lens}, kCount);
+  const auto later = samples({1, Purpose::Pixel}, kCount);
+  const auto other = samples({0, Purpose::Pixel}, kCount, 8);
+  const auto column = [](const std::vector<glm::dvec2>& points, int axis) {
+    std::vector<double> out;
+    for (const glm::dvec2& p : points) out.push_back(p[axis]);
+    return out;
+  };
+  const double bound = 4.0 / std::sqrt(kCount);  // four standard deviations of independent numbers
+  for (int a = 0; a < 2; ++a) {
+    for (int b = 0; b < 2; ++b) {
+      for (const auto& points : {lens, later, other})
+        CHECK(std::abs(correlation(column(pixel, a), column(points, b))) < bound);
+    }
+  }
+  CHECK(std::abs(correlation(column(pixel, 0), column(pixel, 1))) < bound);
+}
+
+TEST_CASE("sampler: a smooth integral converges much faster than random numbers do") {
+  // Error of the mean of x y over 1024 samples: random numbers give 0.22 / 32 = 0.0069.
+  double squares = 0.0;
+  constexpr int kPixels = 64;
+  for (std::uint32_t pixel = 0; pixel < kPixels; ++pixel) {
+    double sum = 0.0;
+    for (const glm::dvec2& p : samples({2, Purpose::Diffuse}, 1024, pixel)) sum += p.x * p.y;
+    const double error = sum / 1024.0 - 0.25;
+    squares += error * error;
+  }
+  CHECK(std::sqrt(squares / kPixels) < 0.0069 / 20.0);
+}
+
+TEST_CASE("sampler: the map to the disc keeps areas") {
+  int inside = 0;
+  double radius = 0.0;
+  constexpr int kSide = 256;
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const glm::dvec2 p = disc({(i + 0.5) / kSide, (j + 0.5) / kSide});
+      const double r2 = p.x * p.x + p.y * p.y;
+      REQUIRE(r2 < 1.0);
+      inside += r2 < 0.25 ? 1 : 0;
+      radius += r2;
+    }
+  }
+  CHECK(inside / double(kSide * kSide) == doctest::Approx(0.25).epsilon(0.01));
+  CHECK(radius / double(kSide * kSide) == doctest::Approx(0.5).epsilon(0.001));
+  CHECK(disc({0.5, 0.5}) == glm::dvec2(0.0));
+}
+
+}  // namespace
+}  // namespace ti
