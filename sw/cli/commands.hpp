@@ -18,10 +18,11 @@ struct Arguments {
   std::string config_file;
   RunOptions run;
   std::string size = "256x256";
-  std::string effects = "none";
+  std::string effects = "auto";
   std::string rays;
   std::string cases_file;
   int spp = 1;
+  int bounces = 4;
   std::uint64_t seed = 1;
   int waves = 1;
   bool dump = false;

@@ -95,7 +95,9 @@ int run(int argc, char** argv) {
   add_run(*render_command, arguments);
   render_command->add_option("--size", arguments.size, "WIDTHxHEIGHT");
   render_command->add_option("--spp", arguments.spp, "rays a pixel");
-  render_command->add_option("--effects", arguments.effects, "none");
+  render_command->add_option("--effects", arguments.effects,
+                             "auto, all, none, then effects with + or -; or one effect");
+  render_command->add_option("--bounces", arguments.bounces, "scatterings of a path at most");
 
   CLI::App* trace_command =
       app.add_subcommand("trace", "trace rays and write hits.npy, prims.npy, report.json");

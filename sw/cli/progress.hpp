@@ -14,7 +14,11 @@ namespace ti {
 /// A bar with rays/s and cycles/s on a terminal; a line every ten seconds elsewhere.
 class Progress {
  public:
-  explicit Progress(std::uint64_t total) : total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
+  explicit Progress(std::uint64_t total = 0)
+      : total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+  /// The rays that are expected, where they were not known before.
+  void expect(std::uint64_t total) { total_ = total; }
 
   /// Ends the line of the bar.
   ~Progress() {

@@ -46,7 +46,8 @@ std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tr
   for (const HitBits& bits : model.trace(rays, work)) hits.push_back(hit_of(format, bits));
 
   if (source.kind == "diffuse") return diffuse_rays(scene.mesh, format, rays, hits, seed);
-  if (source.kind == "shadow") return shadow_rays(scene.mesh, format, rays, hits, scene.lights);
+  if (source.kind == "shadow")
+    return shadow_rays(scene.mesh, format, rays, hits, light_places(scene));
   const auto bounds = bounds_of(scene.mesh);
   const double diagonal = bounds ? bounds->diagonal() : 0.0;
   return ao_rays(scene.mesh, format, rays, hits, kAoSamples,

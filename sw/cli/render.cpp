@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/core.h>
 
+#include <chrono>
 #include <cstdio>
+#include <functional>
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
+#include "cli/summary.hpp"
 #include "cli/traced_run.hpp"
 #include "io/file.hpp"
+#include "io/npy.hpp"
 #include "io/png.hpp"
+#include "render/film.hpp"
 #include "render/heat_map.hpp"
-#include "render/shade.hpp"
-#include "scene/rays.hpp"
+#include "render/path.hpp"
+#include "render/plan.hpp"
+#include "scene/geometry.hpp"
 
 namespace ti {
 namespace {
@@ -32,12 +38,65 @@ Size parse_size(const std::string& text) {
   return {width, height};
 }
 
+constexpr double kOcclusion = 0.05;  ///< of the scene's diagonal, how far ambient occlusion looks
+
 /// Adds a picture of a count a pixel.
 void add_heat_map(Files& files, const char* what, const std::vector<std::uint64_t>& per_pixel,
                   int spp, const Size& size) {
   HeatMap map = heat_map(per_pixel, spp, size.width, size.height);
-  fmt::print("{0}.png: {0} a ray, from 0 (dark) to {1:.0f} and more (bright)\n", what, map.top);
+  fmt::print("{0}.png: {0} a sample of a pixel, from 0 (dark) to {1:.0f} and more (bright)\n", what,
+             map.top);
   files.add(fmt::format("{}.png", what), std::move(map.png));
+}
+
+/// Counts of the rays of each pixel.
+struct Counted {
+  std::vector<std::uint64_t> steps;
+  std::vector<std::uint64_t> tests;
+};
+
+/// What paths are traced on: the session, in the waves that were asked for.
+class Tracing {
+ public:
+  Tracing(Session& session, const Arguments& arguments, std::size_t pixels, Report& report)
+      : session_(session), waves_(arguments.waves), keep_rays_(arguments.dump), report_(report) {
+    counted_.steps.resize(pixels);
+    counted_.tests.resize(pixels);
+  }
+
+  std::vector<Hit> operator()(std::span<const Ray> rays, std::span<const std::uint32_t> pixels) {
+    const std::size_t before = report_.total.hits.size();
+    trace_waves(session_, rays, waves_, report_);
+    const Wave& total = report_.total;
+    for (std::size_t i = before; i < total.hits.size(); ++i) {
+      counted_.steps[pixels[i - before]] += total.hits[i].steps;
+      if (!total.tests.empty()) counted_.tests[pixels[i - before]] += total.tests[i];
+    }
+    if (keep_rays_) rays_.insert(rays_.end(), rays.begin(), rays.end());
+    const auto first = total.hits.begin() + static_cast<std::ptrdiff_t>(before);
+    return {first, total.hits.end()};
+  }
+
+  [[nodiscard]] const Counted& counted() const { return counted_; }
+  [[nodiscard]] const std::vector<Ray>& rays() const { return rays_; }
+
+ private:
+  Session& session_;
+  int waves_;
+  bool keep_rays_;
+  Report& report_;
+  Counted counted_;
+  std::vector<Ray> rays_;
+};
+
+void check(const Arguments& arguments, const Size& size) {
+  if (arguments.spp < 1 || arguments.spp > 4096)
+    throw Error(fmt::format("SPP={}: give 1 to 4096", arguments.spp));
+  if (arguments.bounces < 0 || arguments.bounces > 100)
+    throw Error(fmt::format("BOUNCES={}: give 0 to 100", arguments.bounces));
+  check_ray_count(fmt::format("SIZE={} SPP={}", arguments.size, arguments.spp),
+                  static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),
+                  static_cast<std::uint64_t>(arguments.spp));
 }
 
 }  // namespace
@@ -45,50 +104,68 @@ void add_heat_map(Files& files, const char* what, const std::vector<std::uint64_
 int render(Arguments& arguments) {
   const Size size = parse_size(arguments.size);
   check_folder(arguments.run.out);
-  if (arguments.effects != "none") {
-    throw Error(fmt::format("EFFECTS={}: only EFFECTS=none (primary rays) is there so far",
-                            arguments.effects));
-  }
-  if (arguments.spp < 1 || arguments.spp > 4096)
-    throw Error(fmt::format("SPP={}: give 1 to 4096", arguments.spp));
-  check_ray_count(fmt::format("SIZE={} SPP={}", arguments.size, arguments.spp),
-                  static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height),
-                  static_cast<std::uint64_t>(arguments.spp));
+  const EffectRequest request = EffectRequest::of(arguments.effects);
+  check(arguments, size);
   arguments.run.tests = true;
-  const std::size_t pixel_count =
-      static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-  Progress progress(pixel_count * static_cast<std::size_t>(arguments.spp));
+  Progress progress;
   Session session = start(arguments, progress);
-  const auto primary =
-      primary_rays(session.scene().camera, size.width, size.height, arguments.spp, arguments.seed);
+  const Scene& scene = session.scene();
+  const FilmSize film_size{.width = size.width,
+                           .height = size.height,
+                           .spp = arguments.spp,
+                           .bounces = arguments.bounces};
   Report report{.request = {.command = "render",
                             .rays = {},
                             .size = {{size.width, size.height}},
                             .spp = arguments.spp,
                             .effects = arguments.effects,
+                            .bounces = arguments.bounces,
                             .seed = arguments.seed},
                 .total = {},
                 .waves = {}};
-  trace_waves(session, primary.rays, arguments.waves, report);
+  report.picture.plan = make_plan(scene, film_size, request);
+  const Plan& plan = *report.picture.plan;
+  print_plan(plan);
+  progress.expect(plan.rays());
 
-  const Wave& wave = report.total;
-  const auto rays = std::span(primary.rays).first(wave.hits.size());
-  const auto colours = shade(session.scene(), rays, wave.hits);
-  std::vector<glm::vec3> pixels(pixel_count);
-  std::vector<std::uint64_t> steps(pixel_count);
-  std::vector<std::uint64_t> tests(pixel_count);
-  for (std::size_t i = 0; i < colours.size(); ++i) {
-    pixels[primary.index[i]] += colours[i] / static_cast<float>(arguments.spp);
-    steps[primary.index[i]] += wave.hits[i].steps;
-    if (!wave.tests.empty()) tests[primary.index[i]] += wave.tests[i];
-  }
+  const std::size_t pixels =
+      static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+  const auto bounds = bounds_of(scene.mesh);
+  Tracing tracing(session, arguments, pixels, report);
+  PathTracer tracer(scene,
+                    {.width = size.width,
+                     .height = size.height,
+                     .spp = arguments.spp,
+                     .bounces = arguments.bounces,
+                     .seed = arguments.seed,
+                     .format = session.options().config.format,
+                     .effects = plan.effects,
+                     .everything = plan.everything,
+                     .radius = bounds ? static_cast<float>(kOcclusion * bounds->diagonal()) : 1.0F},
+                    std::ref(tracing));
+  Film film(size.width, size.height);
+  const auto begin = std::chrono::steady_clock::now();
+  tracer.render(film);
+  check_log_ray(session, report.total.hits.size());
+  const HostTimes& times = report.total.times;
+  report.picture.shading =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() -
+      times.engine - times.lock_step - times.truth;
+  report.picture.rays = tracer.rays();
+
+  const std::vector<glm::vec3> radiance = film.radiance();
+  const bool occlusion = plan.has(Effect::AmbientOcclusion);
+  report.picture.exposure = occlusion ? 1.0 : exposure_of(radiance);
   Files files(arguments);
-  files.add("image.png", png_of(pixels, size.width, size.height));
+  files.add("image.png",
+            png_of(occlusion ? radiance : tone_mapped(radiance, report.picture.exposure),
+                   size.width, size.height));
+  if (arguments.dump) files.add("radiance.npy", radiance_npy(radiance, size.width, size.height));
   if (arguments.run.engine != EngineKind::Embree) {
-    add_heat_map(files, "steps", steps, arguments.spp, size);
-    add_heat_map(files, "tests", tests, arguments.spp, size);
+    add_heat_map(files, "steps", tracing.counted().steps, arguments.spp, size);
+    add_heat_map(files, "tests", tracing.counted().tests, arguments.spp, size);
   }
-  files.add_dump(arguments, primary.rays, wave, false);
+  files.add_dump(arguments, tracing.rays(), report.total, false);
   return finish(report, session, files);
 }
 

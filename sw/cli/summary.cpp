@@ -77,6 +77,18 @@ void print_machine(const Counts& counts, int mhz) {
   print_units(machine);
 }
 
+/// Rays of a picture by their kind.
+void print_rays(const Picture& picture) {
+  if (!picture.plan) return;
+  std::string kinds;
+  for (std::size_t i = 0; i < kRayKinds; ++i) {
+    if (picture.rays[i] == 0) continue;
+    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", picture.rays[i],
+                         name_of(static_cast<RayKind>(i)));
+  }
+  fmt::print("rays: {}\n", kinds);
+}
+
 /// A line a wave, so that one sees the caches get warm.
 void print_waves(const std::vector<Counts>& waves) {
   if (waves.size() < 2) return;
@@ -146,7 +158,17 @@ void print_tree(const Session& session) {
   std::fflush(stdout);  // also into a pipe: what follows may take long
 }
 
+void print_plan(const Plan& plan) {
+  fmt::print("plan: {} primary rays\n", plan.primary);
+  for (const Decision& d : plan.decisions) {
+    fmt::print("  {:15} {:3}  {:>12}  {}\n", name_of(d.effect), d.on ? "on" : "off",
+               d.rays == 0 ? std::string() : fmt::format("<= {} rays", d.rays), d.reason);
+  }
+  std::fflush(stdout);
+}
+
 void print_summary(const Report& report, const Session& session) {
+  print_rays(report.picture);
   const Wave& total = report.total;
   const Counts& counts = total.counts;
   print_work(counts);

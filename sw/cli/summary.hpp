@@ -8,6 +8,9 @@ namespace ti {
 /// Prints what people want to know of the scene and its tree.
 void print_tree(const Session& session);
 
+/// Prints what is simulated of a picture, what is not, and why.
+void print_plan(const Plan& plan);
+
 /// Prints what people read of a run.
 void print_summary(const Report& report, const Session& session);
 

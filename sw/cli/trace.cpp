@@ -29,6 +29,7 @@ int trace(Arguments& arguments) {
       .request = {.command = "trace", .rays = arguments.rays, .size = {}, .seed = arguments.seed},
       .total = {},
       .waves = {}};
+  check_log_ray(session, rays.size());
   trace_waves(session, rays, arguments.waves, report);
   Files files(arguments);
   files.add_dump(arguments, rays, report.total, true);

@@ -71,12 +71,13 @@ Session start(Arguments& arguments, Progress& progress) {
   return session;
 }
 
-void trace_waves(Session& session, std::span<const Ray> rays, int waves, Report& report) {
+void check_log_ray(const Session& session, std::size_t rays) {
   const auto& log_ray = session.options().log_ray;
-  if (log_ray && *log_ray >= rays.size()) {
-    throw Error(
-        fmt::format("LOG_RAY={}: there are {} rays, numbered from 0", *log_ray, rays.size()));
-  }
+  if (log_ray && *log_ray >= rays)
+    throw Error(fmt::format("LOG_RAY={}: there are {} rays, numbered from 0", *log_ray, rays));
+}
+
+void trace_waves(Session& session, std::span<const Ray> rays, int waves, Report& report) {
   const auto count = static_cast<std::size_t>(waves);
   for (std::size_t i = 0; i < count && !report.total.stopped; ++i) {
     const std::size_t begin = rays.size() * i / count;

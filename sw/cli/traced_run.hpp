@@ -36,8 +36,10 @@ class Files {
 /// A session with the progress of the engine on the terminal.
 [[nodiscard]] Session start(Arguments& arguments, Progress& progress);
 
-/// Traces rays in the waves that were asked for. Throws `Error` when the ray to log is none of
-/// them.
+/// Throws `Error` when the ray to log is none of so many.
+void check_log_ray(const Session& session, std::size_t rays);
+
+/// Traces rays in the waves that were asked for.
 void trace_waves(Session& session, std::span<const Ray> rays, int waves, Report& report);
 
 /// Writes the files with the report, prints the summary; the exit status.

@@ -7,12 +7,13 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/error.hpp"
 #include "import/import.hpp"
-#include "scene/geometry.hpp"
+#include "import/materials.hpp"
 
 namespace ti {
 
@@ -30,8 +31,7 @@ aiMatrix4x4 world_of(const aiNode* node) {
   return world;
 }
 
-/// Transform of the node that carries a camera or light of this name; the identity when there is
-/// none.
+/// Transform of the node that carries a camera of this name; the identity when there is none.
 aiMatrix4x4 world_of(const aiScene& ai, const aiString& name) {
   const aiNode* node = ai.mRootNode->FindNode(name);
   return node != nullptr ? world_of(node) : aiMatrix4x4();
@@ -138,7 +138,6 @@ class Converter {
     }
     if (out_.scene.materials.size() <= 1) out_.scene.mesh.material.clear();
     add_camera();
-    add_lights();
     return std::move(out_);
   }
 
@@ -151,23 +150,35 @@ class Converter {
     bool textured = false;
     for (unsigned i = 0; i < ai_.mNumMaterials; ++i) {
       const aiMaterial& from = *ai_.mMaterials[i];
-      Material material;
+      MtlValues values;
       aiString name;
-      if (from.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS) material.name = name.C_Str();
-      aiColor4D base;
-      aiColor3D colour;
-      if (from.Get(AI_MATKEY_BASE_COLOR, base) == aiReturn_SUCCESS) {
-        material.diffuse = {base.r, base.g, base.b};
-      } else if (from.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS) {
-        material.diffuse = to_vec3(colour);
-      }
-      if (from.Get(AI_MATKEY_COLOR_EMISSIVE, colour) == aiReturn_SUCCESS) {
-        material.emission = to_vec3(colour);
-      }
+      if (from.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS) values.name = name.C_Str();
+      const auto colour = [&from](const char* key, unsigned type, unsigned index,
+                                  glm::vec3& target) {
+        aiColor3D c;
+        if (from.Get(key, type, index, c) == aiReturn_SUCCESS) target = to_vec3(c);
+      };
+      const auto number = [&from](const char* key, unsigned type, unsigned index) {
+        ai_real x = 0;
+        return from.Get(key, type, index, x) == aiReturn_SUCCESS ? std::optional<float>(x)
+                                                                 : std::nullopt;
+      };
+      colour(AI_MATKEY_COLOR_DIFFUSE, values.kd);
+      colour(AI_MATKEY_COLOR_SPECULAR, values.ks);
+      colour(AI_MATKEY_COLOR_EMISSIVE, values.ke);
+      glm::vec3 tint(1.0F);
+      colour(AI_MATKEY_COLOR_TRANSPARENT, tint);
+      values.tf = tint;
+      values.ns = number(AI_MATKEY_SHININESS);
+      values.ni = number(AI_MATKEY_REFRACTI);
+      if (const auto opacity = number(AI_MATKEY_OPACITY)) values.tr = 1.0F - *opacity;
+      int illum = 0;
+      if (from.Get("$mat.illum", 0, 0, illum) == aiReturn_SUCCESS) values.illum = illum;
+      const Material material = material_of(values);
       textured |= from.GetTextureCount(aiTextureType_DIFFUSE) > 0 ||
                   from.GetTextureCount(aiTextureType_BASE_COLOR) > 0;
       out_.has_materials |= material.name != AI_DEFAULT_MATERIAL_NAME && !material.name.empty();
-      out_.scene.materials.push_back(std::move(material));
+      out_.scene.materials.push_back(material);
     }
     if (textured) warn("textures are not read; surfaces show the colour of their material");
   }
@@ -216,40 +227,12 @@ class Converter {
     const aiMatrix4x4 world = world_of(ai_, from.mName);
     const aiMatrix3x3 turn(world);
     Camera& camera = out_.scene.camera;
-    // Of the three formats only glTF has cameras and lights. There they stand at the origin of
-    // their node and look along its -z; Assimp's mPosition repeats the node's translation in some
-    // versions.
+    // Of the three formats only glTF has cameras. There they stand at the origin of their node and
+    // look along its -z; Assimp's mPosition repeats the node's translation in some versions.
     camera.eye = to_vec3(world * aiVector3D());
     camera.target = camera.eye + to_vec3(turn * aiVector3D(0, 0, -1));
     camera.up = to_vec3(turn * aiVector3D(0, 1, 0));
     out_.has_camera = true;
-  }
-
-  void add_lights() {
-    const auto bounds = bounds_of(out_.scene.mesh);
-    for (unsigned i = 0; i < ai_.mNumLights; ++i) {
-      const aiLight& from = *ai_.mLights[i];
-      const aiMatrix4x4 world = world_of(ai_, from.mName);
-      PointLight light;
-      light.intensity = to_vec3(from.mColorDiffuse);
-      light.position = to_vec3(world * aiVector3D());
-      if (from.mType == aiLightSource_DIRECTIONAL) {
-        // Far enough to be nearly parallel: ten diagonals from the middle, with the brightness that
-        // it has there.
-        const Bounds box = bounds.value_or(Bounds{});
-        const double distance = 10.0 * std::max(box.diagonal(), 1e-3);
-        aiVector3D toward = aiMatrix3x3(world) * aiVector3D(0, 0, -1);
-        toward.NormalizeSafe();
-        light.position = glm::vec3(box.centre() - distance * glm::dvec3(to_vec3(toward)));
-        light.intensity *= static_cast<float>(distance * distance);
-      } else if (from.mType == aiLightSource_SPOT) {
-        warn(fmt::format("spot light `{}` shines to all sides", from.mName.C_Str()));
-      } else if (from.mType != aiLightSource_POINT) {
-        warn(fmt::format("light `{}` is of a kind that is left out", from.mName.C_Str()));
-        continue;
-      }
-      out_.scene.lights.push_back(light);
-    }
   }
 
   const aiScene& ai_;

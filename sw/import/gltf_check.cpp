@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "import/gltf_scene.hpp"
 #include "import/import.hpp"
 #include "io/file.hpp"
 
@@ -109,13 +110,8 @@ class GltfChecker {
         if (mode == kTriangles) check(primitives.at(p), m, p);
       }
     }
-    const Json& materials = json_.contains("materials") ? json_["materials"] : none;
-    summary.has_materials = !materials.empty();
-    const Json::json_pointer strength(
-        "/extensions/KHR_materials_emissive_strength/emissiveStrength");
-    for (const Json& material : materials) {
-      summary.emissive_strength.push_back(material.value(strength, 1.0F));
-    }
+    summary.materials = gltf_materials(json_, file_);
+    summary.lights = gltf_lights(json_, file_);
     const Json::json_pointer yfov("/cameras/0/perspective/yfov");
     if (json_.contains(yfov)) {
       summary.fov_y_deg = static_cast<float>(json_[yfov].get<double>() * 180.0 / kPi);

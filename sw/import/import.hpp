@@ -68,10 +68,9 @@ struct ObjSummary {
 /// Facts of a glTF file that Assimp 5.2 drops or takes unchecked.
 struct GltfSummary {
   bool has_triangles = false;
-  bool has_materials = false;
   std::optional<float> fov_y_deg;  ///< of the first camera, when it is a perspective one
-  /// Of each material: KHR_materials_emissive_strength, 1 without.
-  std::vector<float> emissive_strength;
+  std::vector<Material> materials;
+  std::vector<Light> lights;
 };
 /// Throws when a .glb is cut or an index of a triangle is out of range.
 [[nodiscard]] GltfSummary check_gltf(const std::filesystem::path& path);
@@ -84,12 +83,5 @@ void apply_sidecar(Import& import, const std::filesystem::path& json);
 
 /// A camera that sees the whole mesh.
 [[nodiscard]] Camera default_camera(const Mesh& mesh);
-
-/// Point lights in place of emissive triangles, one a material.
-[[nodiscard]] std::vector<PointLight> emissive_lights(const Scene& scene);
-
-/// Scales all lights of a scene by one factor so that its surfaces come out at a middle grey, as a
-/// camera's exposure would.
-void expose(Scene& scene);
 
 }  // namespace ti

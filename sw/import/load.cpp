@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <system_error>
 
 #include "base/error.hpp"
 #include "base/vec.hpp"
 #include "import/import.hpp"
+#include "import/materials.hpp"
 #include "io/file.hpp"
 #include "scene/scene.hpp"
 
@@ -89,7 +91,8 @@ Import import_gltf(const fs::path& path) {
   const GltfSummary summary = check_gltf(path);
   if (!summary.has_triangles) return {};
   Import import = import_assimp(path);
-  import.has_materials = summary.has_materials;
+  import.has_materials = !summary.materials.empty();
+  import.scene.lights = summary.lights;
   if (import.has_camera && summary.fov_y_deg) {
     import.scene.camera.fov_y_deg = *summary.fov_y_deg;
   } else if (import.has_camera) {
@@ -97,9 +100,10 @@ Import import_gltf(const fs::path& path) {
     import.scene.warnings.push_back(path.string() +
                                     ": the camera is not a perspective one; it is left out");
   }
+  // Assimp keeps their order; behind them stands one for meshes that have none.
   auto& materials = import.scene.materials;
-  for (std::size_t i = 0; i < std::min(materials.size(), summary.emissive_strength.size()); ++i) {
-    materials[i].emission *= summary.emissive_strength[i];
+  for (std::size_t i = 0; i < std::min(materials.size(), summary.materials.size()); ++i) {
+    materials[i] = summary.materials[i];
   }
   return import;
 }
@@ -126,16 +130,21 @@ fs::path sidecar_of(const fs::path& path) {
 }
 
 void check_materials(Scene& scene, const std::string& file) {
+  std::size_t scaled = 0;
+  std::string first;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    const Material& m = scene.materials[i];
-    for (const glm::vec3& c : {m.diffuse, m.emission}) {
-      if (finite(c) && std::min({c.x, c.y, c.z}) >= 0.0F) continue;
+    Material& m = scene.materials[i];
+    if (const std::string fault = fault_of(m); !fault.empty())
       throw Error(
-          fmt::format("{}: material {} (`{}`) has the colour {} {} {}; give it finite values "
-                      "that are not negative",
-                      file, i, m.name, c.x, c.y, c.z));
-    }
+          fmt::format("{}: material {} (`{}`) cannot be: {}; correct it", file, i, m.name, fault));
+    if (!keep_energy(m)) continue;
+    if (scaled++ == 0) first = m.name;
   }
+  if (scaled != 0)
+    scene.warnings.push_back(
+        fmt::format("{}: {} of its materials (first `{}`) reflect more light than they get; their "
+                    "colours are scaled",
+                    file, scaled, first));
   auto& ids = scene.mesh.material;
   const auto top = std::max_element(ids.begin(), ids.end());
   if (scene.materials.empty()) {
@@ -163,13 +172,21 @@ void check_camera(const Camera& c, const std::string& file) {
   }
 }
 
-void check_lights(const std::vector<PointLight>& lights, const std::string& file) {
+void check_lights(std::vector<Light>& lights, const std::string& file) {
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    const PointLight& l = lights[i];
-    const glm::vec3& c = l.intensity;
-    if (finite(l.position) && finite(c) && std::min({c.x, c.y, c.z}) >= 0.0F) continue;
-    throw Error(
-        fmt::format("{}: light {} is not finite or is negative; give it finite values", file, i));
+    Light& light = lights[i];
+    const auto fail = [&](const char* field, const char* must) {
+      throw Error(fmt::format("{}: light {} (`{}`): its {} must be {}; correct it", file, i,
+                              light.name, field, must));
+    };
+    const glm::vec3& c = light.intensity;
+    if (!finite(light.position)) fail("position", "finite");
+    if (!finite(c) || std::min({c.x, c.y, c.z}) < 0.0F)
+      fail("intensity", "finite and not negative");
+    if (!(light.range > 0.0F)) fail("range", "above 0");
+    const float length = glm::length(light.direction);
+    if (!(length > 0.0F) || !std::isfinite(length)) fail("direction", "finite and not 0");
+    light.direction /= length;
   }
 }
 
@@ -196,8 +213,6 @@ Scene load_scene(const fs::path& path) {
   check_lights(scene.lights, file);
   if (!import.has_camera) scene.camera = default_camera(scene.mesh);
   check_camera(scene.camera, file);
-  if (scene.lights.empty()) scene.lights = emissive_lights(scene);
-  expose(scene);
   return std::move(import.scene);
 }
 

@@ -244,4 +244,11 @@ std::string tests_npy(std::span<const std::uint32_t> tests) {
              {reinterpret_cast<const char*>(tests.data()), tests.size_bytes()});
 }
 
+std::string radiance_npy(std::span<const glm::vec3> pixels, int width, int height) {
+  std::vector<float> data;
+  data.reserve(pixels.size() * 3);
+  for (const glm::vec3& c : pixels) data.insert(data.end(), {c.x, c.y, c.z});
+  return npy("<f4", fmt::format("({}, {}, 3)", height, width), bytes_of(data));
+}
+
 }  // namespace ti

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,5 +26,7 @@ namespace ti {
 [[nodiscard]] std::string steps_npy(std::span<const Hit> hits);
 /// tests.npy: uint32 [N], triangles tested.
 [[nodiscard]] std::string tests_npy(std::span<const std::uint32_t> tests);
+/// radiance.npy: float32 [height, width, 3], linear, rows from the top.
+[[nodiscard]] std::string radiance_npy(std::span<const glm::vec3> pixels, int width, int height);
 
 }  // namespace ti

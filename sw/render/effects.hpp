@@ -17,12 +17,11 @@ enum class Effect : std::size_t {
   Glossy,
   Mirror,
   Glass,
-  Lens,       ///< depth of field
-  Roulette,   ///< dim paths end at random, and those that go on count for more
-  PathBound,  ///< a path ends when what it can still add is below a step of the output
+  Lens,              ///< depth of field
+  Roulette,          ///< dim paths end at random, and those that go on count for more
   AmbientOcclusion,  ///< an integrator of its own
 };
-constexpr std::size_t kEffects = 10;
+constexpr std::size_t kEffects = 9;
 
 using EffectSet = std::bitset<kEffects>;
 

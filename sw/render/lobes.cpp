@@ -67,7 +67,8 @@ std::optional<Scattered> scatter_glossy(const Material& material, const Place& p
   const Basis basis(place.normal);
   const glm::dvec3 eye = basis.local(place.to_eye);
   if (!(eye.z > kLeastCosine)) return std::nullopt;
-  // A normal of the microfacets that the eye sees: a point of the hemisphere's projection, stretched.
+  // A normal of the microfacets that the eye sees: a point of the hemisphere's projection,
+  // stretched.
   const double alpha = material.roughness;
   const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * eye.x, alpha * eye.y, eye.z));
   const Basis view(stretched);

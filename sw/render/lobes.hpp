@@ -22,13 +22,14 @@ constexpr std::size_t kLobes = 4;
 
 /// Where a surface is hit. All directions are of unit length and point away from it.
 struct Place {
-  glm::dvec3 normal;      ///< unit, on the side of `to_eye`
-  glm::dvec3 to_eye;      ///< where the ray came from
-  bool entering = true;   ///< of glass: the ray comes from outside
+  glm::dvec3 normal;     ///< unit, on the side of `to_eye`
+  glm::dvec3 to_eye;     ///< where the ray came from
+  bool entering = true;  ///< of glass: the ray comes from outside
 };
 
 /// Reflected radiance over incident irradiance, times the cosine at the surface: f |cos|. 0 for
-/// mirror and glass, whose light comes from single directions, and for `to_light` behind the surface.
+/// mirror and glass, whose light comes from single directions, and for `to_light` behind the
+/// surface.
 [[nodiscard]] glm::dvec3 evaluate(Lobe lobe, const Material& material, const Place& place,
                                   const glm::dvec3& to_light);
 
@@ -47,14 +48,16 @@ struct Scattered {
 /// third. None when the direction that was drawn is not on the side of the normal.
 ///
 /// - Diffuse: by the cosine.
-/// - Glossy: GGX (Walter et al., EGSR 2007) with height-correlated masking (Heitz, JCGT 3(2), 2014),
+/// - Glossy: GGX (Walter et al., EGSR 2007) with height-correlated masking (Heitz, JCGT 3(2),
+/// 2014),
 ///   drawn by visible normals (Heitz, JCGT 7(4), 2018). Single scattering: rough surfaces lose what
 ///   bounces between microfacets.
 /// - Glass: Fresnel's equations for unpolarised light. Radiance is divided by the square of the
 ///   relative index when it comes through the surface, as energy is spread over more directions; a
 ///   path that enters and leaves has it cancelled.
 [[nodiscard]] std::optional<Scattered> scatter(Lobe lobe, const Material& material,
-                                               const Place& place, const glm::dvec2& u, double choice);
+                                               const Place& place, const glm::dvec2& u,
+                                               double choice);
 
 /// The share of unpolarised light that a smooth surface reflects: `cosine` of the angle on the side
 /// that the light comes from, at least 0, and the index of the other side over this one's. 1 for

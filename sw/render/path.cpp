@@ -19,7 +19,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kBatch = std::size_t{1} << 18;  ///< paths under way at once
 constexpr std::size_t kPiece = 1024;
-constexpr std::array<Lobe, 4> kLobes{Lobe::Diffuse, Lobe::Glossy, Lobe::Mirror, Lobe::Glass};
 
 Effect effect_of(Lobe lobe) {
   switch (lobe) {
@@ -35,12 +34,23 @@ Effect effect_of(Lobe lobe) {
   return Effect::Interreflection;
 }
 
+Purpose purpose_of(Lobe lobe) {
+  switch (lobe) {
+    case Lobe::Diffuse:
+      return Purpose::Diffuse;
+    case Lobe::Glossy:
+      return Purpose::Glossy;
+    case Lobe::Mirror:
+    case Lobe::Glass:
+      break;
+  }
+  return Purpose::Glass;
+}
+
 RayKind kind_of(Lobe lobe) {
   return static_cast<RayKind>(static_cast<std::size_t>(RayKind::Diffuse) +
                               static_cast<std::size_t>(lobe));
 }
-
-double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 /// Veach, Optimally Combining Sampling Techniques, SIGGRAPH 1995, with exponent 2.
 double power_heuristic(double mine, double other) {
@@ -51,7 +61,7 @@ double power_heuristic(double mine, double other) {
 }  // namespace
 
 const char* name_of(RayKind kind) {
-  constexpr std::array<const char*, kRayKinds> kNames{"primary", "shadow", "diffuse", "glossy",
+  constexpr std::array<const char*, kRayKinds> kNames{"primary", "shadow", "diffuse",  "glossy",
                                                       "mirror",  "glass",  "occlusion"};
   return kNames[static_cast<std::size_t>(kind)];
 }
@@ -67,7 +77,7 @@ struct PathTracer::Path {
   /// What emissive triangles that it meets count for: all, nothing (matt surfaces have them from
   /// shadow rays), or by the power heuristic with this density.
   enum class Emission { All, None, Weighed } emission = Emission::All;
-  double pdf = 0.0;
+  double density = 0.0;
 };
 
 /// Light that counts unless something is between.
@@ -82,23 +92,23 @@ struct PathTracer::Shaded {
   glm::dvec3 emitted{0.0};
   std::vector<ShadowRay> shadows;
   std::vector<Path> next;
-  double left_out = 0.0;
 };
 
 /// A hit as shading sees it.
-struct Vertex {
-  Hit hit;
-  Surface surface;
+struct PathTracer::Vertex {
+  glm::dvec3 position;
+  Place place;
   const Material* material = nullptr;
-  glm::dvec3 to_eye;      ///< unit
-  bool entering = false;  ///< the ray comes from outside, by the winding of the triangle
-  glm::vec3 front;        ///< where rays leave on the side of the ray
-  glm::vec3 back;         ///< and on the other
-  std::array<double, 4> chance{};  ///< of each lobe to get the ray
+  glm::vec3 front;                      ///< where rays leave on the side of the ray
+  glm::vec3 back;                       ///< and on the other
+  std::array<double, kLobes> chance{};  ///< of each lobe to get the ray
 };
 
 PathTracer::PathTracer(const Scene& scene, const PathOptions& options, Trace trace)
-    : scene_(scene), options_(options), trace_(std::move(trace)), lights_(scene),
+    : scene_(scene),
+      options_(options),
+      trace_(std::move(trace)),
+      lights_(scene),
       headlight_(is_unlit(scene)) {}
 
 void PathTracer::render(Film& film) {
@@ -115,7 +125,7 @@ void PathTracer::render(Film& film) {
 std::vector<PathTracer::Path> PathTracer::begin(std::span<const std::uint32_t> pixels,
                                                 std::uint32_t sample) const {
   const CameraRays camera(scene_.camera, options_.width, options_.height);
-  const bool lens = options_.effects.test(static_cast<std::size_t>(Effect::Lens));
+  const bool lens = traces(Effect::Lens);
   const auto width = static_cast<std::uint32_t>(options_.width);
   std::vector<Path> paths(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -132,8 +142,10 @@ std::vector<PathTracer::Path> PathTracer::begin(std::span<const std::uint32_t> p
   return paths;
 }
 
-std::vector<Hit> PathTracer::hits_of(std::span<const Ray> rays) {
-  std::vector<Hit> hits = trace_(rays);
+std::vector<Hit> PathTracer::hits_of(std::span<const Ray> rays,
+                                     std::span<const std::uint32_t> pixels) {
+  if (rays.empty()) return {};
+  std::vector<Hit> hits = trace_(rays, pixels);
   if (hits.size() < rays.size()) stopped_ = true;
   return hits;
 }
@@ -144,12 +156,13 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
   std::vector<Path> paths = begin(pixels, sample);
   for (int bounce = 0; !paths.empty(); ++bounce) {
     std::vector<Ray> rays;
-    rays.reserve(paths.size());
+    std::vector<std::uint32_t> places;
     for (const Path& path : paths) {
       rays.push_back(path.ray);
+      places.push_back(path.pixel);
       ++rays_[static_cast<std::size_t>(path.kind)];
     }
-    const std::vector<Hit> hits = hits_of(rays);
+    const std::vector<Hit> hits = hits_of(rays, places);
     if (stopped_) return;
 
     std::vector<Shaded> shaded(paths.size());
@@ -157,12 +170,20 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
       for (std::size_t i = begin; i < end; ++i) shaded[i] = shade(paths[i], hits[i], bounce);
     });
 
-    std::vector<Ray> shadow_rays;
-    for (const Shaded& hit : shaded)
-      for (const ShadowRay& shadow : hit.shadows)
-        if (shadow.traced) shadow_rays.push_back(shadow.ray);
-    rays_[static_cast<std::size_t>(RayKind::Shadow)] += shadow_rays.size();
-    const std::vector<Hit> between = shadow_rays.empty() ? std::vector<Hit>{} : hits_of(shadow_rays);
+    rays.clear();
+    places.clear();
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      for (const ShadowRay& shadow : shaded[i].shadows) {
+        if (!shadow.traced) continue;
+        rays.push_back(shadow.ray);
+        places.push_back(paths[i].pixel);
+      }
+    }
+    const bool occlusion =
+        options_.effects.test(static_cast<std::size_t>(Effect::AmbientOcclusion));
+    rays_[static_cast<std::size_t>(occlusion ? RayKind::Occlusion : RayKind::Shadow)] +=
+        rays.size();
+    const std::vector<Hit> between = hits_of(rays, places);
     if (stopped_) return;
 
     std::vector<Path> next;
@@ -172,7 +193,6 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
       sum += shaded[i].emitted;
       for (const ShadowRay& shadow : shaded[i].shadows)
         if (!shadow.traced || !between[at++].is_hit()) sum += shadow.radiance;
-      left_out_ += shaded[i].left_out;
       next.insert(next.end(), shaded[i].next.begin(), shaded[i].next.end());
     }
     paths = std::move(next);
@@ -187,135 +207,162 @@ PathTracer::Shaded PathTracer::shade(const Path& path, const Hit& hit, int bounc
     return out;
   }
   const auto prim = static_cast<std::size_t>(hit.prim);
-  Vertex vertex;
-  vertex.hit = hit;
-  vertex.material = &scene_.material_of(prim);
-  vertex.surface = surface_at(scene_.mesh, path.ray, hit);
+  const Surface surface = surface_at(scene_.mesh, path.ray, hit);
   const glm::dvec3 direction(path.ray.d);
-  vertex.to_eye = -glm::normalize(direction);
-  vertex.entering = glm::dot(direction, area_vector(scene_.mesh, prim)) < 0.0;
+  Vertex vertex;
+  vertex.position = surface.position;
+  vertex.material = &scene_.material_of(prim);
+  vertex.place = {.normal = surface.normal,
+                  .to_eye = -glm::normalize(direction),
+                  .entering = glm::dot(direction, area_vector(scene_.mesh, prim)) < 0.0};
   if (vertex.material->is_emissive() && path.emission != Path::Emission::None) {
     double weight = 1.0;
     if (path.emission == Path::Emission::Weighed)
-      weight = power_heuristic(
-          path.pdf, lights_.pdf_of(prim, glm::dvec3(path.ray.o), vertex.surface.position));
+      weight = power_heuristic(path.density,
+                               lights_.density(prim, glm::dvec3(path.ray.o), vertex.position));
     out.emitted = path.throughput * glm::dvec3(vertex.material->emission) * weight;
   }
-  if (bounce >= options_.bounces) return out;
+  const bool occlusion = options_.effects.test(static_cast<std::size_t>(Effect::AmbientOcclusion));
+  if (occlusion) out.emitted = glm::dvec3(0.0);
+  if (bounce >= options_.bounces && !occlusion) return out;
   Ray backward = path.ray;
   backward.d = -backward.d;
   vertex.front = departure(scene_.mesh, path.ray, hit, options_.format).origin;
   vertex.back = departure(scene_.mesh, backward, hit, options_.format).origin;
+  if (occlusion) {
+    add_occlusion(out, path, vertex);
+    return out;
+  }
   vertex.chance = chances(*vertex.material);
-  if (bounce == 0) vertex.chance = {1.0, 1.0, 1.0, 1.0};
+  if (bounce == 0) vertex.chance.fill(1.0);  // each lobe gets a ray of its own
   add_direct(out, path, vertex, bounce);
   add_scattered(out, path, vertex, bounce);
   return out;
 }
 
+void PathTracer::add_occlusion(Shaded& out, const Path& path, const Vertex& vertex) const {
+  const Material white{.diffuse = glm::vec3(1.0F)};
+  const Sampler random(options_.seed, path.pixel, path.sample);
+  const auto ray =
+      scatter(Lobe::Diffuse, white, vertex.place, random.get2({0, Purpose::Occlusion}), 0.0);
+  if (!ray) return;
+  out.shadows.push_back({.ray = {.o = vertex.front,
+                                 .d = glm::vec3(ray->direction),
+                                 .tmax = options_.radius,
+                                 .any = true},
+                         .radiance = glm::dvec3(1.0)});
+}
+
 void PathTracer::add_direct(Shaded& out, const Path& path, const Vertex& vertex, int bounce) const {
-  const Surface& surface = vertex.surface;
-  const bool glossy_ray = options_.effects.test(static_cast<std::size_t>(Effect::Glossy));
+  const bool glossy_ray = traces(Effect::Glossy);
   // The lobes that have a density, weighed against the glossy lobe's own rays where `pdf` says how
   // likely a light is chosen.
   const auto reflected = [&](const glm::dvec3& toward, double pdf) {
-    glm::dvec3 sum = evaluate(Lobe::Diffuse, *vertex.material, surface.normal, vertex.to_eye, toward);
+    glm::dvec3 sum = evaluate(Lobe::Diffuse, *vertex.material, vertex.place, toward);
     if (!vertex.material->is_glossy()) return sum;
     double weight = 1.0;
     if (pdf > 0.0 && glossy_ray)
-      weight = power_heuristic(pdf, vertex.chance[1] * ti::pdf(Lobe::Glossy, *vertex.material,
-                                                               surface.normal, vertex.to_eye, toward));
-    return sum + weight * evaluate(Lobe::Glossy, *vertex.material, surface.normal, vertex.to_eye, toward);
+      weight =
+          power_heuristic(pdf, vertex.chance[static_cast<std::size_t>(Lobe::Glossy)] *
+                                   density(Lobe::Glossy, *vertex.material, vertex.place, toward));
+    return sum + weight * evaluate(Lobe::Glossy, *vertex.material, vertex.place, toward);
   };
   const auto add = [&](const glm::vec3& d, float tmax, const glm::dvec3& radiance, Effect effect) {
     const bool adds = radiance != glm::dvec3(0.0);
     if (!adds && !options_.everything) return;
-    const bool asked = options_.effects.test(static_cast<std::size_t>(effect)) || options_.everything;
     out.shadows.push_back({.ray = {.o = vertex.front, .d = d, .tmax = tmax, .any = true},
                            .radiance = path.throughput * radiance,
-                           .traced = asked});
+                           .traced = traces(effect)});
   };
 
   if (headlight_) {
     if (bounce != 0) return;
     // Light of the eye itself: nothing can be between, and it is as strong at any distance.
-    out.emitted += path.throughput * reflected(vertex.to_eye, 0.0) * kPi;
+    out.emitted += path.throughput * reflected(vertex.place.to_eye, 0.0) * kPi;
     return;
   }
   const Sampler random(options_.seed, path.pixel, path.sample);
   for (std::size_t i = 0; i < lights_.count(); ++i) {
-    const auto toward = lights_.toward(i, surface.position);
+    const auto toward = lights_.toward(i, vertex.position);
     if (!toward) {
-      if (options_.everything) add(glm::vec3(surface.normal), 0.0F, glm::dvec3(0.0), Effect::Shadows);
+      if (options_.everything)
+        add(glm::vec3(vertex.place.normal), 0.0F, glm::dvec3(0.0), Effect::Shadows);
       continue;
     }
     const glm::dvec3 radiance = reflected(toward->direction, 0.0) * toward->irradiance;
-    const LightEnd end = lights_.end_of(i, vertex.front, options_.format);
+    const Lights::End end = lights_.end_of(i, vertex.front, options_.format);
     add(end.d, end.tmax, radiance, Effect::Shadows);
   }
   if (!lights_.has_area()) return;
-  const auto point = lights_.sample(surface.position, random.get1({bounce, Purpose::LightChoice}),
+  const auto point = lights_.sample(vertex.position, random.get1({bounce, Purpose::LightChoice}),
                                     random.get2({bounce, Purpose::LightPoint}));
   if (!point) {
     if (options_.everything)
-      add(glm::vec3(surface.normal), 0.0F, glm::dvec3(0.0), Effect::SoftShadows);
+      add(glm::vec3(vertex.place.normal), 0.0F, glm::dvec3(0.0), Effect::SoftShadows);
     return;
   }
-  const glm::dvec3 radiance = reflected(point->direction, point->pdf) * point->emission / point->pdf;
+  const glm::dvec3 radiance =
+      reflected(point->direction, point->density) * point->emission / point->density;
   // To where a ray would leave the light towards this surface, so that the light is not in its way.
   const Ray back{.o = vertex.front, .d = glm::vec3(point->direction)};
   const glm::vec3 target = departure(scene_.mesh, back, point->hit, options_.format).origin;
   add(target - vertex.front, 1.0F, radiance, Effect::SoftShadows);
 }
 
+std::optional<Lobe> PathTracer::chosen(const Vertex& vertex, double u) {
+  std::optional<Lobe> out;
+  for (std::size_t k = 0; k < kLobes; ++k) {
+    if (vertex.chance[k] <= 0.0) continue;
+    out = static_cast<Lobe>(k);
+    if (u < vertex.chance[k]) break;
+    u -= vertex.chance[k];
+  }
+  return out;
+}
+
 void PathTracer::add_scattered(Shaded& out, const Path& path, const Vertex& vertex,
                                int bounce) const {
-  if (bounce + 1 > options_.bounces) return;
   const Sampler random(options_.seed, path.pixel, path.sample);
-  std::size_t chosen = kLobes.size();
-  if (bounce > 0) {  // one lobe, by its chance
-    double u = random.get1({bounce, Purpose::LobeChoice});
-    chosen = 0;
-    for (std::size_t k = 0; k < kLobes.size(); ++k) {
-      if (vertex.chance[k] <= 0.0) continue;
-      chosen = k;
-      if (u < vertex.chance[k]) break;
-      u -= vertex.chance[k];
-    }
+  std::optional<Lobe> only;
+  if (bounce > 0) {
+    only = chosen(vertex, random.get1({bounce, Purpose::LobeChoice}));
+    if (!only) only = Lobe::Diffuse;  // a black surface: its ray counts for nothing
   }
-  for (std::size_t k = 0; k < kLobes.size(); ++k) {
-    if (bounce > 0 && k != chosen) continue;
-    const Lobe lobe = kLobes[k];
-    const bool on = options_.effects.test(static_cast<std::size_t>(effect_of(lobe)));
-    if (!on && !options_.everything) continue;
-    const auto scattered =
-        has(lobe, *vertex.material) && vertex.chance[k] > 0.0
-            ? scatter(lobe, *vertex.material, vertex.surface.normal, vertex.to_eye, vertex.entering,
-                      random.get2({bounce, direction_of(lobe)}), random.get1({bounce, Purpose::GlassChoice}))
-            : std::nullopt;
+  for (std::size_t k = 0; k < kLobes; ++k) {
+    const auto lobe = static_cast<Lobe>(k);
+    if (only && lobe != *only) continue;
+    if (!traces(effect_of(lobe))) continue;
     Path next = path;
     next.kind = kind_of(lobe);
-    if (!scattered) {
-      if (!options_.everything) continue;
-      next.throughput = glm::dvec3(0.0);
-      next.ray = {.o = vertex.front, .d = glm::vec3(vertex.surface.normal)};
-      out.next.push_back(next);
-      continue;
+    next.throughput = glm::dvec3(0.0);
+    next.ray = {.o = vertex.front, .d = glm::vec3(vertex.place.normal)};
+    if (const auto scattered =
+            scatter(lobe, *vertex.material, vertex.place, random.get2({bounce, purpose_of(lobe)}),
+                    random.get1({bounce, Purpose::Glass}))) {
+      const bool through = glm::dot(scattered->direction, vertex.place.normal) < 0.0;
+      next.throughput = path.throughput * scattered->weight / vertex.chance[k];
+      next.ray = {.o = through ? vertex.back : vertex.front, .d = glm::vec3(scattered->direction)};
+      next.density = vertex.chance[k] * scattered->density;
+      next.emission = lobe == Lobe::Diffuse  ? Path::Emission::None
+                      : lobe == Lobe::Glossy ? Path::Emission::Weighed
+                                             : Path::Emission::All;
     }
-    next.throughput *= scattered->weight / vertex.chance[k];
-    const bool through = glm::dot(scattered->direction, vertex.surface.normal) < 0.0;
-    next.ray = {.o = through ? vertex.back : vertex.front, .d = glm::vec3(scattered->direction)};
-    next.pdf = vertex.chance[k] * scattered->pdf;
-    next.emission = scattered->delta          ? Path::Emission::All
-                    : lobe == Lobe::Glossy ? Path::Emission::Weighed
-                                           : Path::Emission::None;
-    if (next.throughput == glm::dvec3(0.0) && !options_.everything) continue;
-    if (options_.least > 0.0 && luminance(next.throughput) < options_.least) {
-      out.left_out += luminance(next.throughput);
-      continue;
+    if (!options_.everything && !counts(next, lobe, bounce)) continue;
+    if (options_.effects.test(static_cast<std::size_t>(Effect::Roulette)) && bounce > 0) {
+      const double stays =
+          std::min(1.0, std::max({next.throughput.x, next.throughput.y, next.throughput.z}));
+      if (!(random.get1({bounce, Purpose::Roulette}) < stays)) continue;
+      next.throughput /= stays;
     }
     out.next.push_back(next);
   }
+}
+
+bool PathTracer::counts(const Path& next, Lobe lobe, int bounce) const {
+  if (next.throughput == glm::dvec3(0.0) || headlight_) return false;
+  if (bounce + 1 < options_.bounces) return true;
+  // The last ray adds what it meets that emits, and nothing that is lit.
+  return scene_.background != glm::vec3(0.0F) || (lobe != Lobe::Diffuse && lights_.has_area());
 }
 
 }  // namespace ti

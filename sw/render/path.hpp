@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,24 +33,24 @@ struct PathOptions {
   EffectSet effects;
   /// Trace every ray that an effect could want, whatever it can add.
   bool everything = false;
-  /// A path ends below this: luminance times throughput that is no step of the output any more.
-  double least = 0.0;
-  double radius = 0.0;  ///< of ambient occlusion
+  float radius = 1.0F;  ///< how far ambient occlusion looks
 };
 
 /// Rays of each kind, by `RayKind`.
 using RayCounts = std::array<std::uint64_t, kRayKinds>;
 
-/// Path tracing in waves of rays (Laine, Karras, Aila, Megakernels Considered Harmful, HPG 2013), on
-/// any engine.
+/// Path tracing in waves of rays (Laine, Karras, Aila, Megakernels Considered Harmful, HPG 2013),
+/// on any engine.
 ///
 /// The radiance of a sample is the sum, over the bounces, of what is emitted towards it and of the
-/// direct light of each lobe; `docs/architecture.md`, "Pictures", has the rules. Each ray of `trace`
-/// has its hit at the same place of the answer; fewer hits than rays end the picture.
+/// direct light of each lobe; `docs/architecture.md`, "Pictures", has the rules. Each ray of
+/// `trace` has its hit at the same place of the answer; fewer hits than rays end the picture.
 class PathTracer {
  public:
-  /// Traces rays; of shadow rays only hit or miss counts (`Ray::any`).
-  using Trace = std::function<std::vector<Hit>(std::span<const Ray>)>;
+  /// Traces rays, each of the pixel at its place; of shadow rays only hit or miss counts
+  /// (`Ray::any`).
+  using Trace = std::function<std::vector<Hit>(std::span<const Ray> rays,
+                                               std::span<const std::uint32_t> pixels)>;
 
   PathTracer(const Scene& scene, const PathOptions& options, Trace trace);
 
@@ -58,21 +59,29 @@ class PathTracer {
   void render(Film& film);
 
   [[nodiscard]] const RayCounts& rays() const { return rays_; }
-  /// What all ended paths together could have added to the sum of all pixels, at most.
-  [[nodiscard]] double left_out() const { return left_out_; }
   [[nodiscard]] bool stopped() const { return stopped_; }
 
  private:
   struct Path;
+  struct Vertex;
   struct ShadowRay;
   struct Shaded;
 
+  [[nodiscard]] bool traces(Effect effect) const {
+    return options_.everything || options_.effects.test(static_cast<std::size_t>(effect));
+  }
   void trace_batch(std::span<const std::uint32_t> pixels, std::uint32_t sample, Film& film);
-  [[nodiscard]] std::vector<Path> begin(std::span<const std::uint32_t> pixels, std::uint32_t sample) const;
-  [[nodiscard]] std::vector<Hit> hits_of(std::span<const Ray> rays);
+  [[nodiscard]] std::vector<Path> begin(std::span<const std::uint32_t> pixels,
+                                        std::uint32_t sample) const;
+  [[nodiscard]] std::vector<Hit> hits_of(std::span<const Ray> rays,
+                                         std::span<const std::uint32_t> pixels);
   [[nodiscard]] Shaded shade(const Path& path, const Hit& hit, int bounce) const;
-  void add_direct(Shaded& out, const Path& path, const struct Vertex& vertex, int bounce) const;
-  void add_scattered(Shaded& out, const Path& path, const struct Vertex& vertex, int bounce) const;
+  void add_direct(Shaded& out, const Path& path, const Vertex& vertex, int bounce) const;
+  void add_scattered(Shaded& out, const Path& path, const Vertex& vertex, int bounce) const;
+  [[nodiscard]] static std::optional<Lobe> chosen(const Vertex& vertex, double u);
+  void add_occlusion(Shaded& out, const Path& path, const Vertex& vertex) const;
+  /// Whether a ray that was scattered can add anything.
+  [[nodiscard]] bool counts(const Path& next, Lobe lobe, int bounce) const;
 
   const Scene& scene_;
   PathOptions options_;
@@ -80,7 +89,6 @@ class PathTracer {
   Lights lights_;
   bool headlight_;
   RayCounts rays_{};
-  double left_out_ = 0.0;
   bool stopped_ = false;
 };
 

@@ -46,6 +46,7 @@ ordered_json provenance_json(const Report& report, const Session& session) {
       {"size", nullptr},
       {"spp", if_known(request.size.has_value(), request.spp)},
       {"effects", if_known(request.size.has_value(), request.effects)},
+      {"bounces", if_known(request.size.has_value(), request.bounces)},
       {"layout", options.config.layout == Layout::kOdfl ? "odfl" : "dfl"},
       {"image_given", !options.image.empty()},
       {"waves", report.waves.size()}};
@@ -192,6 +193,27 @@ ordered_json waves_json(const Report& report, int clock_mhz) {
   return json;
 }
 
+ordered_json plan_json(const Picture& picture) {
+  if (!picture.plan) return nullptr;
+  ordered_json json = ordered_json::array();
+  for (const Decision& d : picture.plan->decisions) {
+    json.push_back({{"effect", name_of(d.effect)},
+                    {"on", d.on},
+                    {"reason", d.reason},
+                    {"rays", d.rays},
+                    {"bound", d.bound}});
+  }
+  return json;
+}
+
+ordered_json rays_json(const Picture& picture) {
+  if (!picture.plan) return nullptr;
+  ordered_json json;
+  for (std::size_t i = 0; i < kRayKinds; ++i)
+    json[name_of(static_cast<RayKind>(i))] = picture.rays[i];
+  return json;
+}
+
 ordered_json spread_json(std::vector<std::uint32_t> values) {
   if (values.empty()) return nullptr;
   std::sort(values.begin(), values.end());
@@ -213,7 +235,8 @@ void Report::add(Wave wave) {
 
 double Report::host_share() const {
   const HostTimes& times = total.times;
-  return ratio(times.lock_step + times.truth, times.engine + times.lock_step + times.truth);
+  const double host = times.lock_step + times.truth + picture.shading;
+  return ratio(host, times.engine + host);
 }
 
 std::string to_json(const Report& report, const Session& session) {
@@ -237,6 +260,9 @@ std::string to_json(const Report& report, const Session& session) {
   json["tree"] = tree_json(session);
   json["image_bytes"] = session.image().bytes().size();
   json["rays"] = total.hits.size();
+  json["plan"] = plan_json(report.picture);
+  json["rays_of"] = rays_json(report.picture);
+  json["exposure"] = if_known(report.picture.plan.has_value(), report.picture.exposure);
   json["hits"] = std::count_if(total.hits.begin(), total.hits.end(),
                                [](const Hit& hit) { return hit.is_hit(); });
   json["stopped"] = total.stopped;
@@ -255,6 +281,7 @@ std::string to_json(const Report& report, const Session& session) {
                   {"engine", total.times.engine},
                   {"lock_step", total.times.lock_step},
                   {"truth", total.times.truth},
+                  {"shading", report.picture.shading},
                   {"host_share", report.host_share()}};
   return json.dump(2) + "\n";
 }

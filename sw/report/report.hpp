@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "engine/session.hpp"
+#include "render/path.hpp"
+#include "render/plan.hpp"
 
 namespace ti {
 
@@ -18,8 +20,17 @@ struct Request {
   std::string rays;                        ///< of trace: the file or KIND:COUNT
   std::optional<std::array<int, 2>> size;  ///< of render: width, height
   int spp = 1;
-  std::string effects = "none";
+  std::string effects{};  ///< of render
+  int bounces = 0;      ///< of render: scatterings of a path at most
   std::uint64_t seed = 1;
+};
+
+/// What a picture called for and what it took; empty for other runs.
+struct Picture {
+  std::optional<Plan> plan;
+  RayCounts rays{};  ///< traced, of each kind
+  double exposure = 1.0;
+  double shading = 0.0;  ///< seconds of the host that rays and their light took
 };
 
 /// What a run did: everything that `report.json` holds, in raw counts, so that waves add up.
@@ -30,6 +41,7 @@ struct Report {
   static constexpr int kVersion = 1;
 
   Request request;
+  Picture picture{};
   Wave total;                 ///< hits, tests and truth of all rays
   std::vector<Counts> waves;  ///< of each wave, in order
 

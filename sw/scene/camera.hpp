@@ -30,8 +30,8 @@ class CameraRays {
   double focus_;                     ///< distance along the view
 };
 
-/// The pixels of a picture, y * width + x, along the Morton curve, so that neighbours in the list are
-/// neighbours in the picture.
+/// The pixels of a picture, y * width + x, along the Morton curve, so that neighbours in the list
+/// are neighbours in the picture.
 [[nodiscard]] std::vector<std::uint32_t> morton_order(int width, int height);
 
 }  // namespace ti

@@ -10,8 +10,8 @@ namespace ti {
 
 enum class LightKind : std::uint8_t { Point, Spot, Directional };
 
-/// A light without an area, after KHR_lights_punctual. Light of an area is a triangle whose material
-/// emits (`Material::emission`).
+/// A light without an area, after KHR_lights_punctual. Light of an area is a triangle whose
+/// material emits (`Material::emission`).
 struct Light {
   std::string name;
   LightKind kind = LightKind::Point;

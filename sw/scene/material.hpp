@@ -9,12 +9,12 @@ namespace ti {
 /// What a surface does with light: a sum of lobes, each of which may be black. All colours are
 /// linear, finite and not negative.
 ///
-/// | lobe    | what it is                                              | there when                |
+/// | lobe    | what it is                                              | there when |
 /// |---------|---------------------------------------------------------|---------------------------|
-/// | diffuse | Lambert, both sides                                     | `diffuse` is not black    |
-/// | glossy  | GGX microfacets, Fresnel term after Schlick             | `specular`, roughness > 0 |
-/// | mirror  | the same of a smooth surface: one direction             | `specular`, roughness 0   |
-/// | glass   | smooth dielectric, exact Fresnel term, both sides       | `transmission`            |
+/// | diffuse | Lambert, both sides                                     | `diffuse` is not black |
+/// | glossy  | GGX microfacets, Fresnel term after Schlick             | `specular`, roughness > 0
+/// | | mirror  | the same of a smooth surface: one direction             | `specular`, roughness 0
+/// | | glass   | smooth dielectric, exact Fresnel term, both sides       | `transmission` |
 ///
 /// The lobes are independent integrands: a hit's radiance is the sum over them.
 struct Material {

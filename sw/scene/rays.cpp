@@ -98,14 +98,14 @@ std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format, std::span<const R
 }
 
 std::vector<Ray> shadow_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
-                             std::span<const Hit> hits, std::span<const PointLight> lights) {
+                             std::span<const Hit> hits, std::span<const glm::vec3> lights) {
   check_ray_count("shadows", hits_in(hits), lights.size());
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
     const Departure s = departure(mesh, rays[i], hits[i], format);
-    for (const PointLight& light : lights) {
-      Ray ray{.o = s.origin, .d = light.position - s.origin, .tmax = kShadowEnd, .any = true};
+    for (const glm::vec3& light : lights) {
+      Ray ray{.o = s.origin, .d = light - s.origin, .tmax = kShadowEnd, .any = true};
       if (ray.d == glm::vec3(0.0F)) {  // the light is the point itself: nothing can be between
         ray.d = glm::vec3(s.normal);
         ray.tmax = 0.0F;
@@ -114,6 +114,38 @@ std::vector<Ray> shadow_rays(const Mesh& mesh, Format format, std::span<const Ra
     }
   }
   return out;
+}
+
+std::vector<glm::vec3> light_places(const Scene& scene) {
+  std::vector<glm::vec3> places;
+  for (const Light& light : scene.lights) {
+    if (light.kind != LightKind::Directional) places.push_back(light.position);
+  }
+  const auto bounds = bounds_of(scene.mesh);
+  if (!bounds) return places;
+  struct Sum {
+    double area = 0.0;
+    glm::dvec3 moment{0.0};
+  };
+  std::vector<Sum> sums(scene.materials.size());
+  for (std::size_t i = 0; i < scene.mesh.triangles.size(); ++i) {
+    if (!scene.material_of(i).is_emissive()) continue;
+    const double area = 0.5 * glm::length(area_vector(scene.mesh, i));
+    if (!std::isfinite(area)) continue;
+    const auto p = scene.mesh.corners(i);
+    Sum& sum = sums[scene.mesh.material.empty() ? 0 : scene.mesh.material[i]];
+    sum.area += area;
+    sum.moment += area * (glm::dvec3(p[0]) + glm::dvec3(p[1]) + glm::dvec3(p[2])) / 3.0;
+  }
+  for (const Sum& sum : sums) {
+    if (!(sum.area > 0.0)) continue;
+    glm::dvec3 place = sum.moment / sum.area;
+    const glm::dvec3 inward = bounds->centre() - place;
+    const double distance = glm::length(inward);
+    if (distance > 0.0) place += inward * (1e-3 * bounds->diagonal() / distance);
+    places.emplace_back(place);
+  }
+  return places;
 }
 
 std::vector<Ray> random_rays(const Mesh& mesh, std::size_t count, std::uint64_t seed) {

@@ -34,10 +34,15 @@ struct PrimaryRays {
                                             std::span<const Ray> rays, std::span<const Hit> hits,
                                             std::uint64_t seed);
 
-/// One any-hit ray from each hit to each light, with tmax just short of the light.
+/// One any-hit ray from each hit to each point light, with tmax just short of it.
 [[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, Format format,
                                            std::span<const Ray> rays, std::span<const Hit> hits,
-                                           std::span<const PointLight> lights);
+                                           std::span<const glm::vec3> lights);
+
+/// Where the light of a scene comes from, for rays that only test its shadows: its lights that have
+/// a place and the middle of the triangles of each material that emits, moved a thousandth of the
+/// scene's diagonal inwards.
+[[nodiscard]] std::vector<glm::vec3> light_places(const Scene& scene);
 
 /// `count` rays with origins uniform in a sphere around the mesh (1.2 of its radius) and directions
 /// uniform on the sphere.

@@ -17,8 +17,8 @@ struct Camera {
   glm::vec3 eye{0.0F, 0.0F, 3.0F};
   glm::vec3 target{0.0F};
   glm::vec3 up{0.0F, 1.0F, 0.0F};
-  float fov_y_deg = 45.0F;     ///< vertical field of view
-  float aperture = 0.0F;       ///< diameter of the lens
+  float fov_y_deg = 45.0F;      ///< vertical field of view
+  float aperture = 0.0F;        ///< diameter of the lens
   float focus_distance = 0.0F;  ///< of the plane that is sharp, along the view; 0: through `target`
 };
 
@@ -27,8 +27,13 @@ struct Scene {
   Mesh mesh;
   std::vector<Material> materials;  ///< at least one
   Camera camera;
-  std::vector<Light> lights;  ///< those without an area
+  std::vector<Light> lights;   ///< those without an area
+  glm::vec3 background{0.0F};  ///< radiance from everywhere, of rays that leave the scene
   std::vector<std::string> warnings;
+
+  [[nodiscard]] const Material& material_of(std::size_t triangle) const {
+    return materials[mesh.material.empty() ? 0 : mesh.material[triangle]];
+  }
 };
 
 /// Loads glTF 2.0 (.gltf, .glb), OBJ, PLY or .ply.zst; beside it `<stem>.json` for what the file

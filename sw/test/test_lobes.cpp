@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/lobes.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/vec.hpp"
+#include "render/lobes.hpp"
 #include "render/sampler.hpp"
 
 namespace ti {
@@ -17,7 +16,10 @@ constexpr double kPi = 3.14159265358979323846;
 
 Material matt(float albedo) { return {.diffuse = glm::vec3(albedo)}; }
 Material glossy(float alpha, float f0 = 1.0F, float schlick = 0.0F) {
-  return {.diffuse = glm::vec3(0.0F), .specular = glm::vec3(f0), .schlick = schlick, .roughness = alpha};
+  return {.diffuse = glm::vec3(0.0F),
+          .specular = glm::vec3(f0),
+          .schlick = schlick,
+          .roughness = alpha};
 }
 Material mirror(float f0) { return {.diffuse = glm::vec3(0.0F), .specular = glm::vec3(f0)}; }
 Material glass(float ior, float tint = 1.0F) {
@@ -44,10 +46,12 @@ glm::dvec3 mean(int count, const Value& value) {
 
 /// The share of light from everywhere that comes to the eye, by drawing directions.
 double albedo(Lobe lobe, const Material& material, const Place& place) {
-  return mean(4096, [&](const glm::dvec2& u, double choice) {
-           const auto s = scatter(lobe, material, place, u, choice);
-           return s ? s->weight : glm::dvec3(0.0);
-         }).x;
+  return mean(4096,
+              [&](const glm::dvec2& u, double choice) {
+                const auto s = scatter(lobe, material, place, u, choice);
+                return s ? s->weight : glm::dvec3(0.0);
+              })
+      .x;
 }
 
 /// An integral over the hemisphere of the normal, by uniform directions.
@@ -107,21 +111,21 @@ TEST_CASE("lobes: densities add up to one and weights are value over density") {
       const double sum = over_hemisphere(
           place, [&](const glm::dvec3& d) { return density(Lobe::Glossy, material, place, d); });
       // Directions below the surface are missing; the sample count that is lost says how many.
-      const double kept = mean(1 << 14, [&](const glm::dvec2& u, double choice) {
-                            return glm::dvec3(
-                                scatter(Lobe::Glossy, material, place, u, choice) ? 1.0 : 0.0);
-                          }).x;
+      const double kept =
+          mean(1 << 14, [&](const glm::dvec2& u, double choice) {
+            return glm::dvec3(scatter(Lobe::Glossy, material, place, u, choice) ? 1.0 : 0.0);
+          }).x;
       CHECK(sum == doctest::Approx(kept).epsilon(0.01));
-      const double by_value = over_hemisphere(place, [&](const glm::dvec3& d) {
-        return evaluate(Lobe::Glossy, material, place, d).x;
-      });
+      const double by_value = over_hemisphere(
+          place, [&](const glm::dvec3& d) { return evaluate(Lobe::Glossy, material, place, d).x; });
       CHECK(by_value == doctest::Approx(albedo(Lobe::Glossy, material, place)).epsilon(0.01));
     }
     const Material material = matt(0.6F);
     CHECK(over_hemisphere(place, [&](const glm::dvec3& d) {
             return density(Lobe::Diffuse, material, place, d);
           }) == doctest::Approx(1.0).epsilon(1e-3));
-    for (const auto& [lobe, m] : {std::pair{Lobe::Diffuse, material}, {Lobe::Glossy, glossy(0.2F)}}) {
+    for (const auto& [lobe, m] :
+         {std::pair{Lobe::Diffuse, material}, {Lobe::Glossy, glossy(0.2F)}}) {
       for (std::uint32_t i = 0; i < 256; ++i) {
         const auto s = scatter(lobe, m, place, Sampler(1, 0, i).get2({0, Purpose::Glossy}), 0.0);
         if (!s) continue;
@@ -138,11 +142,14 @@ TEST_CASE("lobes: light may go either way along a path") {
   for (const auto& [lobe, material] :
        {std::pair{Lobe::Diffuse, matt(0.5F)}, {Lobe::Glossy, glossy(0.4F, 0.3F, 1.0F)}}) {
     for (std::uint32_t i = 0; i < 200; ++i) {
-      const auto s = scatter(lobe, material, there, Sampler(3, 0, i).get2({0, Purpose::Glossy}), 0.0);
+      const auto s =
+          scatter(lobe, material, there, Sampler(3, 0, i).get2({0, Purpose::Glossy}), 0.0);
       if (!s) continue;
       const Place back{.normal = there.normal, .to_eye = s->direction};
-      const double f = evaluate(lobe, material, there, s->direction).x / glm::dot(there.normal, s->direction);
-      const double g = evaluate(lobe, material, back, there.to_eye).x / glm::dot(there.normal, there.to_eye);
+      const double f =
+          evaluate(lobe, material, there, s->direction).x / glm::dot(there.normal, s->direction);
+      const double g =
+          evaluate(lobe, material, back, there.to_eye).x / glm::dot(there.normal, there.to_eye);
       CHECK(f == doctest::Approx(g).epsilon(1e-9));
     }
   }
@@ -174,7 +181,8 @@ TEST_CASE("lobes: glass bends light by Snell's law and reflects it by Fresnel's"
       CHECK(std::sqrt(std::max(0.0, 1.0 - out * out)) ==
             doctest::Approx(entering ? sine_in / 1.5 : sine_in * 1.5));
       // Back on the same path.
-      const Place back{.normal = -place.normal, .to_eye = through->direction, .entering = !entering};
+      const Place back{
+          .normal = -place.normal, .to_eye = through->direction, .entering = !entering};
       const auto home = scatter(Lobe::Glass, material, back, {0.5, 0.5}, 1.0 - 1e-12);
       CHECK(glm::dot(home->direction, place.to_eye) == doctest::Approx(1.0));
       CHECK(home->weight.x * through->weight.x == doctest::Approx(1.0));

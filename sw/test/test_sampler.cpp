@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/sampler.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <cstdint>
 #include <set>
 #include <vector>
+
+#include "render/sampler.hpp"
 
 namespace ti {
 namespace {
@@ -33,8 +33,8 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 TEST_CASE("sampler: each power of two of samples has one point in each elementary interval") {
   for (const int power : {0, 1, 2, 4, 7, 10}) {
     const int count = 1 << power;
-    for (const Dimension dimension :
-         {Dimension{0, Purpose::Pixel}, Dimension{3, Purpose::Diffuse}, Dimension{1, Purpose::LightPoint}}) {
+    for (const Dimension dimension : {Dimension{0, Purpose::Pixel}, Dimension{3, Purpose::Diffuse},
+                                      Dimension{1, Purpose::LightPoint}}) {
       const auto points = samples(dimension, count);
       for (int columns = 0; columns <= power; ++columns) {
         const int across = 1 << columns;
