@@ -164,6 +164,9 @@ class Converter {
                                                                  : std::nullopt;
       };
       colour(AI_MATKEY_COLOR_DIFFUSE, values.kd);
+      aiColor4D base;  // of glTF
+      if (from.Get(AI_MATKEY_BASE_COLOR, base) == aiReturn_SUCCESS)
+        values.kd = {base.r, base.g, base.b};
       colour(AI_MATKEY_COLOR_SPECULAR, values.ks);
       colour(AI_MATKEY_COLOR_EMISSIVE, values.ke);
       glm::vec3 tint(1.0F);

@@ -135,12 +135,12 @@ void add_lights(const Json& json, std::size_t number, const glm::dmat4& parent, 
 
 }  // namespace
 
-std::vector<Material> gltf_materials(const Json& json, const std::string& file) {
-  std::vector<Material> out;
+std::vector<GltfValues> gltf_materials(const Json& json, const std::string& file) {
+  std::vector<GltfValues> out;
   if (!json.contains("materials")) return out;
   for (const Json& item : json["materials"]) {
     GltfValues values;
-    values.name = item.value("name", std::string());
+    values.name = item.value("name", values.name);
     const Fields fields(item, fmt::format("{}: material {} (`{}`)", file, out.size(), values.name));
     values.base = fields.colour("/pbrMetallicRoughness/baseColorFactor", glm::vec3(1.0F), 1.0);
     const auto share = [&fields](const char* path, double otherwise) {
@@ -155,7 +155,7 @@ std::vector<Material> gltf_materials(const Json& json, const std::string& file) 
         "/extensions/KHR_materials_emissive_strength/emissiveStrength", 1.0, 0.0, kMost);
     values.emission =
         fields.colour("/emissiveFactor", glm::vec3(0.0F), 1.0) * static_cast<float>(strength);
-    out.push_back(material_of(values));
+    out.push_back(std::move(values));
   }
   return out;
 }

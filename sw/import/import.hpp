@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "import/materials.hpp"
 #include "scene/scene.hpp"
 
 namespace ti {
@@ -69,7 +70,7 @@ struct ObjSummary {
 struct GltfSummary {
   bool has_triangles = false;
   std::optional<float> fov_y_deg;  ///< of the first camera, when it is a perspective one
-  std::vector<Material> materials;
+  std::vector<GltfValues> materials;
   std::vector<Light> lights;
 };
 /// Throws when a .glb is cut or an index of a triangle is out of range.

@@ -87,6 +87,18 @@ Import import_obj(const fs::path& path) {
   return import;
 }
 
+/// What the file says of a material of Assimp, which has an order of its own: by name and, where
+/// several share it, by colour.
+const GltfValues* values_of(const Material& material, const std::vector<GltfValues>& all) {
+  const GltfValues* found = nullptr;
+  for (const GltfValues& values : all) {
+    if (values.name != material.name) continue;
+    if (values.base == material.diffuse) return &values;
+    if (found == nullptr) found = &values;
+  }
+  return found;
+}
+
 Import import_gltf(const fs::path& path) {
   const GltfSummary summary = check_gltf(path);
   if (!summary.has_triangles) return {};
@@ -100,10 +112,11 @@ Import import_gltf(const fs::path& path) {
     import.scene.warnings.push_back(path.string() +
                                     ": the camera is not a perspective one; it is left out");
   }
-  // Assimp keeps their order; behind them stands one for meshes that have none.
+  // Behind those of the file Assimp has one for meshes without any.
   auto& materials = import.scene.materials;
   for (std::size_t i = 0; i < std::min(materials.size(), summary.materials.size()); ++i) {
-    materials[i] = summary.materials[i];
+    if (const GltfValues* values = values_of(materials[i], summary.materials))
+      materials[i] = material_of(*values);
   }
   return import;
 }

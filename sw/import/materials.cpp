@@ -34,6 +34,7 @@ Material material_of(const MtlValues& values) {
     case 3:
       out.specular = values.ks;
       out.transmission = values.tf.value_or(glm::vec3(1.0F)) * values.tr.value_or(0.0F);
+      if (out.ior == 0.0F) out.ior = 1.0F;
       return out;
     case 5:
       out.specular = values.ks;

@@ -103,6 +103,8 @@ Light point_of(const Json& json, const std::string& place, const Reader& read) {
   Light light;
   light.position = read.vector(Json(json.begin(), json.begin() + 3), place);
   if (json.size() == 6) light.intensity = read.vector(json, place, 3);
+  if (std::min({light.intensity.x, light.intensity.y, light.intensity.z}) < 0.0F)
+    read.fail(place, "a light that is not negative");
   return light;
 }
 

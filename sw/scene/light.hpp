@@ -13,7 +13,7 @@ enum class LightKind : std::uint8_t { Point, Spot, Directional };
 /// A light without an area, after KHR_lights_punctual. Light of an area is a triangle whose
 /// material emits (`Material::emission`).
 struct Light {
-  std::string name;
+  std::string name{};
   LightKind kind = LightKind::Point;
   glm::vec3 position{0.0F};                ///< not of a directional one
   glm::vec3 direction{0.0F, -1.0F, 0.0F};  ///< unit, the way that the light goes; not of a point

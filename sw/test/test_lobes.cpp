@@ -88,6 +88,12 @@ TEST_CASE("lobes: white surfaces give back all light, and none more than it gets
   }
 }
 
+TEST_CASE("lobes: the roughest surface, seen from above, reflects 1 - ln 2") {
+  // Its D is 1 / pi and its masking 2 c / (1 + c), so the integral over c is that of c / (1 + c).
+  CHECK(albedo(Lobe::Glossy, glossy(1.0F), place_at(1.0)) ==
+        doctest::Approx(1.0 - std::log(2.0)).epsilon(1e-3));
+}
+
 TEST_CASE("lobes: light that is not radiance but power is kept by glass") {
   // Radiance through the surface is divided by the square of the index; times it, all is there.
   for (const bool entering : {true, false}) {

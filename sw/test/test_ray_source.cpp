@@ -36,6 +36,7 @@ TEST_CASE("the text of RAYS= is a file, or a kind and a count") {
 TEST_CASE("secondary rays start at numbers of the engine's format") {
   Scene scene;
   scene.mesh = soup(60, 0.8F, 5);
+  scene.materials.resize(1);
   scene.camera = {.eye = {0.5F, 0.5F, 3.0F}, .target = glm::vec3(0.5F)};
   scene.lights = {{.position = {3.0F, 4.0F, 5.0F}}};
   BuildOptions options;

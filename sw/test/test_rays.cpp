@@ -11,7 +11,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "render/shade.hpp"
 #include "scene/random.hpp"
 #include "scene/rays.hpp"
 #include "test/support.hpp"
@@ -204,7 +203,7 @@ TEST_CASE("diffuse rays are closest-hit rays, one a hit") {
 }
 
 TEST_CASE("shadow rays end just short of their light") {
-  const std::vector<PointLight> lights{{.position = {3, 4, 2}}, {.position = {0, 0, -8}}};
+  const std::vector<glm::vec3> lights{{3, 4, 2}, {0, 0, -8}};
   const auto out = shadow_rays(square(), {}, rays_down(), hits_down(), lights);
   REQUIRE(out.size() == 4);
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -212,14 +211,14 @@ TEST_CASE("shadow rays end just short of their light") {
     CHECK(out[i].tmax > 0.99F);
     CHECK(out[i].tmax < 1.0F);
     const glm::vec3 end = out[i].o + out[i].d;
-    CHECK(glm::distance(end, lights[i % 2].position) < 1e-5F);
+    CHECK(glm::distance(end, lights[i % 2]) < 1e-5F);
   }
   CHECK(shadow_rays(square(), {}, rays_down(), hits_down(), {}).empty());
 }
 
 TEST_CASE("a light at the origin of its shadow ray gives a valid ray of no length") {
-  const Ray at = shadow_rays(square(), {}, rays_down(), hits_down(), std::vector<PointLight>(1))[0];
-  const std::vector<PointLight> lights{{.position = at.o}};
+  const Ray at = shadow_rays(square(), {}, rays_down(), hits_down(), std::vector<glm::vec3>(1))[0];
+  const std::vector<glm::vec3> lights{at.o};
   const Ray ray = shadow_rays(square(), {}, rays_down(), hits_down(), lights)[0];
   CHECK(ray.d == glm::vec3(0, 0, 1));
   CHECK(ray.tmax == 0.0F);
@@ -292,26 +291,20 @@ TEST_CASE("random rays of a mesh with broken vertices are finite") {
   }
 }
 
-TEST_CASE("surfaces are lit on the side of the eye only, and misses show the background") {
+TEST_CASE("light comes from lights that have a place and from the middle of what emits") {
   Scene scene;
-  scene.mesh = square();
-  scene.materials = {{.name = "white", .diffuse = glm::vec3(0.5F)}};
-  const auto head = shade(scene, rays_down(), hits_down());
-  REQUIRE(head.size() == 3);
-  CHECK(head[0] == head[1]);  // a headlight, straight on
-  scene.lights = {{.position = {0.5F, 0.5F, 1.0F}, .intensity = glm::vec3(0.3F)}};
-  const auto lit = shade(scene, rays_down(), hits_down());
-  CHECK(lit[0].x > 2 * lit[1].x);  // the second ray looks from behind
-  CHECK(lit[1].x > 0.0F);
-  CHECK(lit[2] == head[2]);
-  scene.materials[0].emission = {18.0F, 0.1F, 0.0F};
-  const auto glow = shade(scene, rays_down(), hits_down());
-  CHECK(glow[1].x == 1.0F);
-  CHECK(glow[1].y > lit[1].y);
-  for (const glm::vec3& c : lit) {
-    CHECK(glm::all(glm::greaterThanEqual(c, glm::vec3(0.0F))));
-    CHECK(glm::all(glm::lessThanEqual(c, glm::vec3(1.0F))));
-  }
+  scene.mesh.vertices = {{0, 0, 0}, {3, 0, 0}, {0, 0, 3}, {0, 3, 0}, {3, 3, 0}, {0, 3, 3}};
+  scene.mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  scene.mesh.material = {0, 1};
+  scene.materials = {{}, {.emission = glm::vec3(4.0F)}};
+  scene.lights = {{.position = {1, 2, 3}}, {.kind = LightKind::Directional}};
+  const auto places = light_places(scene);
+  REQUIRE(places.size() == 2);
+  CHECK(places[0] == glm::vec3(1, 2, 3));
+  CHECK(places[1].x == doctest::Approx(1.0F).epsilon(0.01));
+  CHECK(places[1].z == doctest::Approx(1.0F).epsilon(0.01));
+  CHECK(places[1].y < 3.0F);
+  CHECK(places[1].y > 2.98F);
 }
 
 }  // namespace

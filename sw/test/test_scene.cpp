@@ -38,11 +38,7 @@ TEST_CASE("the Cornell box has its triangles, materials, camera and light") {
   CHECK(glm::distance(s.camera.eye, glm::vec3(0.278F, 0.273F, -0.8F)) < 1e-6F);
   CHECK(glm::distance(glm::normalize(s.camera.target - s.camera.eye), glm::vec3(0, 0, 1)) < 1e-6F);
   CHECK(s.camera.fov_y_deg == doctest::Approx(39.344F).epsilon(1e-4));
-  REQUIRE(s.lights.size() == 1);
-  CHECK(s.lights[0].position.x == doctest::Approx(0.278F).epsilon(1e-4));
-  CHECK(s.lights[0].position.y < 0.5488F);
-  CHECK(s.lights[0].position.y > 0.547F);
-  CHECK(s.lights[0].intensity.x / s.lights[0].intensity.z == doctest::Approx(1 / 0.66F));
+  CHECK(s.lights.empty());  // what emits stays a surface
 }
 
 TEST_CASE("one triangle is one triangle, and an empty scene is empty") {
@@ -80,7 +76,7 @@ TEST_CASE("a node places its mesh, and the triangles follow the order of the nod
     CHECK(s.mesh.vertex(1, 1) == glm::vec3(2, 2, 5));
     CHECK(s.mesh.vertex(2, 2) == glm::vec3(1, 1, 0));
     CHECK(s.mesh.vertex(3, 2) == glm::vec3(0, 1, 0));
-    CHECK(s.materials[0].diffuse == glm::vec3(0.25F, 0.5F, 0.75F));
+    CHECK(s.materials[0].specular == glm::vec3(0.25F, 0.5F, 0.75F));  // metal, unless said
     CHECK(glm::distance(s.camera.eye, glm::vec3(1, 2, 3)) < 1e-6F);
     CHECK(glm::distance(s.camera.target, glm::vec3(1, 2, 4)) < 1e-5F);
     CHECK(s.camera.fov_y_deg == doctest::Approx(0.5 * 180 / 3.14159265).epsilon(1e-5));
@@ -170,7 +166,7 @@ TEST_CASE("what the file has goes before what the JSON beside it has") {
   (void)dir.file("a.json", R"({"materials": [{"Kd": [0, 0, 1]}],
                                "camera": {"eye": [0, 0, 9], "target": [0, 0, 0]}})");
   const Scene s = load_scene(dir.file("a.gltf", gltf()));
-  CHECK(s.materials[0].diffuse == glm::vec3(0.25F, 0.5F, 0.75F));
+  CHECK(s.materials[0].specular == glm::vec3(0.25F, 0.5F, 0.75F));  // metal, unless said
   CHECK(glm::distance(s.camera.eye, glm::vec3(1, 2, 3)) < 1e-6F);
 }
 
@@ -193,7 +189,7 @@ TEST_CASE("the lights of a glTF stand where their nodes are") {
   const Scene s = load_scene(dir.file("a.gltf", text));
   REQUIRE(s.lights.size() == 1);
   CHECK(glm::distance(s.lights[0].position, glm::vec3(1, 2, 3)) < 1e-6F);
-  CHECK(s.lights[0].intensity.x / s.lights[0].intensity.z == doctest::Approx(4.0F));
+  CHECK(s.lights[0].intensity == glm::vec3(8.0F, 4.0F, 2.0F));
 }
 
 TEST_CASE("a camera that is chosen sees the whole mesh") {
@@ -208,19 +204,6 @@ TEST_CASE("a camera that is chosen sees the whole mesh") {
   const Scene huge = load_scene(
       dir.file("h.ply", ply({{-3e38F, 0, 0}, {3e38F, 0, 0}, {0, 1e38F, 0}}, {{0, 1, 2}})));
   CHECK(std::isfinite(huge.camera.eye.z));
-}
-
-TEST_CASE("each emissive material becomes a light on the inner side of its triangles") {
-  const TempDir dir;
-  (void)dir.file("a.json", R"({"materials": [{}, {"Ke": [4, 2, 1]}]})");
-  const std::vector<glm::vec3> v{{0, 0, 0}, {3, 0, 0}, {0, 0, 3}, {0, 3, 0}, {3, 3, 0}, {0, 3, 3}};
-  const Scene s = load_scene(dir.file("a.ply", ply(v, {{0, 1, 2}, {3, 4, 5}}, {0, 1})));
-  REQUIRE(s.lights.size() == 1);
-  CHECK(s.lights[0].position.x == doctest::Approx(1.0F).epsilon(0.01));
-  CHECK(s.lights[0].position.z == doctest::Approx(1.0F).epsilon(0.01));
-  CHECK(s.lights[0].position.y < 3.0F);
-  CHECK(s.lights[0].position.y > 2.98F);
-  CHECK(s.lights[0].intensity.x / s.lights[0].intensity.z == doctest::Approx(4.0F));
 }
 
 TEST_CASE("the benchmark scenes have the triangles that their descriptions promise") {
@@ -245,7 +228,8 @@ TEST_CASE("the benchmark scenes have the triangles that their descriptions promi
     CHECK(s.materials.size() == json["materials"].size());
     CHECK(s.camera.eye.x == json["camera"]["eye"][0].get<float>());
     CHECK(s.camera.fov_y_deg == json["camera"]["fov_y_deg"].get<float>());
-    CHECK(s.warnings.empty());
+    for (const std::string& warning : s.warnings)
+      CHECK(warning.find("reflect more light than they get") != std::string::npos);
   }
 }
 

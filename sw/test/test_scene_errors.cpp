@@ -50,7 +50,7 @@ TEST_CASE("files that are missing, cut or corrupt are refused by name and place"
       {"g.gltf", replaced(gltf(), "\"indices\":1", "\"indices\":7"), {"7"}},
       {"h.gltf", replaced(gltf(), "\"indices\":1", "\"indices\":\"x\""), {"glTF"}},
       {"i.gltf", replaced(gltf(), "[1,2,3]", "[1e39,2,3]"), {"i.gltf"}},
-      {"j.gltf", replaced(gltf(), "[0.25,", "[-0.25,"), {"material 0", "-0.25"}},
+      {"j.gltf", replaced(gltf(), "[0.25,", "[-0.25,"), {"material 0", "baseColorFactor"}},
       {"a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nf 1 2 4\n", {"line 5", "index 4", "3 vert"}},
       {"b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 0\n", {"line 4", "index 0"}},
       {"c.obj", "v 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 1 1 0\n", {"line 3", "index -3"}},
