@@ -174,14 +174,16 @@ void print_summary(const Report& report, const Session& session) {
   print_work(counts);
   if (counts.machine) {
     print_machine(counts, session.options().config.clock_mhz);
-    print_waves(report.waves);
+    if (!report.picture.plan) print_waves(report.waves);
     fmt::print(
-        "simulation: {:.1f} s, {:.0f} cycles/s, {:.0f} rays/s; checks on the host {:.1f} s, {:.0f} "
+        "simulation: {:.1f} s, {:.0f} cycles/s, {:.0f} rays/s; checks and shading on the host "
+        "{:.1f} s, {:.0f} "
         "% of the time\n",
         counts.seconds, ratio(static_cast<double>(counts.machine->cycles), counts.seconds),
         ratio(static_cast<double>(counts.rays), counts.seconds),
-        total.times.lock_step + total.times.truth, 100 * report.host_share());
-  } else {
+        total.times.lock_step + total.times.truth + report.picture.shading,
+        100 * report.host_share());
+  } else if (!report.picture.plan) {
     print_waves(report.waves);
   }
   print_checks(total);

@@ -51,7 +51,8 @@ BAD_SETTINGS = {  # command, options, words of the sentence
     "size-three": ("render", ["--size", "4x4x4"], ["SIZE=4x4x4"]),
     "spp-0": ("render", ["--spp", "0"], ["SPP=0"]),
     "spp-word": ("render", ["--spp", "x"], ["spp"]),
-    "effects": ("render", ["--effects", "shadows"], ["EFFECTS=shadows", "none"]),
+    "effects": ("render", ["--effects", "glow"], ["EFFECTS=glow", "none", "soft-shadows"]),
+    "bounces": ("render", ["--bounces", "-1"], ["BOUNCES=-1"]),
     "engine": ("render", ["--engine", "gpu"], ["gpu", "embree, model, rtl"]),
     "engine-number": ("render", ["--engine", "1"], ["embree, model, rtl"]),
     "unknown-option": ("render", ["--frobnicate"], ["frobnicate"]),
@@ -166,7 +167,11 @@ def test_what_is_no_library_of_the_rtl_is_refused(tiny, ti, out):
 
 @pytest.mark.parametrize("command", ["render", "trace"])
 def test_a_ray_to_log_that_is_not_there_leaves_nothing(tiny, out, command):
-    words = ["--log-ray", 16, *(["--size", "4x4"] if command == "render" else [])]
+    words = [
+        "--log-ray",
+        16,
+        *(["--size", "4x4", "--effects", "none"] if command == "render" else []),
+    ]
     run = tiny.render if command == "render" else tiny.trace
     rays = ["random:16"] if command == "trace" else []
     run(out, CORNELL, *rays, *words).refused("LOG_RAY=16", "16 rays")

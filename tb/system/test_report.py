@@ -35,7 +35,8 @@ def picture(run):
 
 @pytest.mark.parametrize("name", ["rtl", "model", "embree"])
 def test_the_report_has_every_key_whatever_the_engine(tiny, out, name):
-    report = tiny.render(out, CORNELL, "--size", "12x8", engine=name).good().report
+    options = ["--size", "12x8", "--effects", "none"]
+    report = tiny.render(out, CORNELL, *options, engine=name).good().report
 
     jsonschema.validate(report, SCHEMA)
     for key, below in KEYS.items():
@@ -59,14 +60,14 @@ def test_two_runs_of_a_command_give_one_report_but_for_times(ti, tiny, tmp_path)
 
 
 def test_a_report_says_what_it_was_made_from(tiny, tmp_path, out):
-    options = ["--size", "20x10", "--spp", 2, "--seed", 7, "--stall-seed", 3]
+    options = ["--size", "20x10", "--spp", 2, "--seed", 7, "--stall-seed", 3, "--effects", "none"]
     config = tiny.with_keys(tmp_path, layout="dfl")
     report = tiny.render(out, CORNELL, *options, config=config).good().report
 
     made = report["provenance"]
     assert made["commit"] and (made["command"], made["scene"]) == ("render", "cornell.gltf")
     assert (made["size"], made["spp"], made["seed"]) == ([20, 10], 2, 7)
-    assert (made["layout"], made["waves"]) == ("dfl", 1)
+    assert (made["layout"], made["waves"]) == ("dfl", 2)  # a wave a sample
     assert report["keys"] == json.loads(config.read_text())
     assert report["switches"]["stall_seed"] == 3 and report["switches"]["lock_step"]
     assert 0 < report["hits"] <= report["rays"] == 400
@@ -122,7 +123,10 @@ def test_a_picture_looks_the_same_from_every_engine(tiny, tmp_path):
 
 def test_more_samples_smooth_the_edges_and_count_as_rays(tiny, tmp_path):
     one, four = (
-        tiny.render(tmp_path / f"{spp}", CORNELL, "--size", "16x16", "--spp", spp, "--dump").good()
+        tiny.render(
+            *(tmp_path / f"{spp}", CORNELL, "--size", "16x16", "--spp", spp),
+            *("--effects", "none", "--dump"),
+        ).good()
         for spp in (1, 4)
     )
 
@@ -155,8 +159,9 @@ def test_only_what_was_asked_for_is_written(ti, tmp_path):
     ti.trace(tmp_path / "c/deep", CORNELL, "random:4").good()
 
     names = [{path.name for path in (tmp_path / x).iterdir()} for x in ("a", "b", "c/deep")]
+    arrays = ("radiance", "rays", "hits", "prims", "steps", "tests")
     assert names[0] == {"image.png", "steps.png", "tests.png", "report.json"}
-    assert names[1] == names[0] | {f"{x}.npy" for x in ("rays", "hits", "prims", "steps", "tests")}
+    assert names[1] == names[0] | {f"{x}.npy" for x in arrays}
     assert names[2] == {"report.json", "hits.npy", "prims.npy"}
 
 
