@@ -66,6 +66,7 @@ class Tracing {
 
   std::vector<Hit> operator()(std::span<const Ray> rays, std::span<const std::uint32_t> pixels) {
     const std::size_t before = report_.total.hits.size();
+    check_ray_count("this picture with its effects", before + rays.size());
     trace_waves(session_, rays, waves_, report_);
     const Wave& total = report_.total;
     for (std::size_t i = before; i < total.hits.size(); ++i) {

@@ -21,7 +21,7 @@ struct Request {
   std::optional<std::array<int, 2>> size;  ///< of render: width, height
   int spp = 1;
   std::string effects{};  ///< of render
-  int bounces = 0;      ///< of render: scatterings of a path at most
+  int bounces = 0;        ///< of render: scatterings of a path at most
   std::uint64_t seed = 1;
 };
 
