@@ -39,7 +39,7 @@ TEST_CASE("film: a refusal names the pixel and keeps the picture as it was") {
     film.add(137, {0.5, std::nan(""), 0.5});
     FAIL("NaN is taken for light");
   } catch (const std::domain_error& e) {
-    CHECK(std::string(e.what()).find("137") != std::string::npos);
+    CHECK(std::string(e.what()).find("pixel 137 ") != std::string::npos);
   }
   CHECK(film.radiance()[137] == glm::vec3(1.0F, 2.0F, 3.0F));
 }

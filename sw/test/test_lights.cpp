@@ -159,6 +159,9 @@ TEST_CASE("lights: one point for triangle and place converges as the sampler's p
   const Lights lights(scene);
   const glm::dvec3 at(0.9, -1.0, 0.4);
   const glm::dvec3 up(0.0, 1.0, 0.0);
+  // Shares are half open: at their border the next one begins.
+  CHECK(lights.sample(at, 0.5, {0.3, 0.3})->hit.prim == 1);
+  CHECK(lights.sample(at, std::nextafter(0.5, 0.0), {0.3, 0.3})->hit.prim == 0);
   const double expected = lambert(corners, at, up);
   constexpr int kPixels = 64;
   constexpr int kSamples = 256;
