@@ -18,6 +18,7 @@
 #include "base/error.hpp"
 #include "base/limits.hpp"
 #include "io/file.hpp"
+#include "io/picture_size.hpp"
 
 namespace ti {
 
@@ -245,6 +246,7 @@ std::string tests_npy(std::span<const std::uint32_t> tests) {
 }
 
 std::string radiance_npy(std::span<const glm::vec3> pixels, int width, int height) {
+  check_picture(3 * pixels.size(), width, height);
   std::vector<float> data;
   data.reserve(pixels.size() * 3);
   for (const glm::vec3& c : pixels) data.insert(data.end(), {c.x, c.y, c.z});

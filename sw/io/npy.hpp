@@ -26,7 +26,8 @@ namespace ti {
 [[nodiscard]] std::string steps_npy(std::span<const Hit> hits);
 /// tests.npy: uint32 [N], triangles tested.
 [[nodiscard]] std::string tests_npy(std::span<const std::uint32_t> tests);
-/// radiance.npy: float32 [height, width, 3], linear, rows from the top.
+/// radiance.npy: float32 [height, width, 3], linear, rows from the top. Throws `Error` as `png_of`
+/// does.
 [[nodiscard]] std::string radiance_npy(std::span<const glm::vec3> pixels, int width, int height);
 
 }  // namespace ti

@@ -13,7 +13,7 @@
 #include <stb/stb_image_write.h>
 
 #include "base/error.hpp"
-#include "base/limits.hpp"
+#include "io/picture_size.hpp"
 
 namespace ti {
 
@@ -34,17 +34,7 @@ void append(void* context, void* data, int size) {
 }  // namespace
 
 std::string png_of(std::span<const unsigned char> rgb, int width, int height) {
-  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
-    throw Error(fmt::format("a picture of {}x{} cannot be written; choose 1 to {} a side", width,
-                            height, kMaxSide));
-  }
-  check_ray_count(fmt::format("a picture of {}x{}", width, height),
-                  static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height));
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  if (rgb.size() != 3 * pixels) {
-    throw Error(fmt::format("{} values do not fill {}x{} pixels; give three a pixel", rgb.size(),
-                            width, height));
-  }
+  check_picture(rgb.size(), width, height);
   std::string bytes;
   if (stbi_write_png_to_func(append, &bytes, width, height, 3, rgb.data(), width * 3) == 0) {
     throw Error(

@@ -48,9 +48,9 @@ struct Ggx {
 
   explicit Ggx(double alpha) : alpha2(alpha * alpha) {}
 
+  /// The sine is not from the cosine, which has none of its bits on a smooth surface.
   [[nodiscard]] double normals(const glm::dvec3& h) const {
-    const double c2 = h.z * h.z;
-    const double d = c2 * alpha2 + (1.0 - c2);
+    const double d = h.z * h.z * alpha2 + (h.x * h.x + h.y * h.y);
     return alpha2 / (kPi * d * d);
   }
   /// Smith's Lambda.

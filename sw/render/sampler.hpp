@@ -18,6 +18,7 @@ enum class Purpose : std::uint32_t {
   Glass,
   Roulette,
   Occlusion,
+  Time,
 };
 
 /// A random number of a sample, or a pair of them: what it is for, at which scattering.

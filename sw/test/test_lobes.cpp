@@ -207,6 +207,37 @@ TEST_CASE("lobes: glass bends light by Snell's law and reflects it by Fresnel's"
   CHECK(straight->weight.x == 1.0);
 }
 
+TEST_CASE("lobes: Fresnel's share is one from either side of any glass, and one of light") {
+  for (const double index : {1.0, 1.0 + 1e-12, 1.0 + 1e-7, 1.33, 1.5, 2.4, 100.0}) {
+    CAPTURE(index);
+    CHECK(fresnel(1.0, index) ==
+          doctest::Approx(std::pow((index - 1.0) / (index + 1.0), 2.0)).epsilon(1e-12));
+    for (const double cosine : {1.0, 1.0 - 1e-16, 0.7, 0.1, 1e-3, 1e-8, 0.0}) {
+      CAPTURE(cosine);
+      const double outside = fresnel(cosine, index);
+      CHECK(outside >= 0.0);
+      CHECK(outside <= 1.0);
+      const double within = std::sqrt(1.0 - (1.0 - cosine * cosine) / (index * index));
+      const double inside = fresnel(within, 1.0 / index);
+      CHECK(inside >= 0.0);
+      CHECK(inside <= 1.0);
+      // At grazing angles the cosine of the other side has no bits of this one's.
+      if (cosine >= 0.1) CHECK(inside == doctest::Approx(outside).epsilon(1e-9));
+      for (const double choice : {0.0, 0.5, 1.0 - 0x1p-32}) {
+        for (const bool entering : {true, false}) {
+          Place place = place_at(cosine);
+          place.entering = entering;
+          const auto s =
+              scatter(Lobe::Glass, glass(static_cast<float>(index)), place, {0.5, 0.5}, choice);
+          REQUIRE(s);
+          CHECK(glm::length(s->direction) == doctest::Approx(1.0).epsilon(1e-12));
+          CHECK(finite(s->weight));
+        }
+      }
+    }
+  }
+}
+
 TEST_CASE("lobes: no direction and no roughness gives a number that is none") {
   for (const double cosine : {1.0, 0.5, 1e-3, 1e-8, 1e-12, 0.0}) {
     for (const bool entering : {true, false}) {

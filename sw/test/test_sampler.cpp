@@ -62,6 +62,76 @@ TEST_CASE("sampler: numbers are in [0, 1) and belong to what they are for") {
     REQUIRE(p.x < 1.0);
     REQUIRE(p.y >= 0.0);
     REQUIRE(p.y < 1.0);
+    REQUIRE(p.x * 0x1p32 == std::floor(p.x * 0x1p32));
+    REQUIRE(p.y * 0x1p32 == std::floor(p.y * 0x1p32));
+  }
+}
+
+TEST_CASE("sampler: every machine draws these numbers") {
+  // Of another program, which takes Sobol's columns from binomials and reverses bits as text.
+  struct Drawn {
+    std::uint64_t seed;
+    std::uint32_t pixel, sample;
+    Dimension dimension;
+    std::uint32_t x, y;
+  };
+  for (const Drawn& d : {
+           Drawn{1, 0, 0, {0, Purpose::Pixel}, 0xA1980CE1U, 0xF5824FAEU},
+           {1, 0, 1, {0, Purpose::Pixel}, 0x76E82213U, 0x0021F31DU},
+           {1, 5, 3, {0, Purpose::Lens}, 0xF1922EB8U, 0x0C9505B7U},
+           {1, 65535, 1023, {3, Purpose::Diffuse}, 0x2AB2AC8DU, 0xEF7AFD45U},
+           {~0ULL, ~0U, ~0U, {7, Purpose::Occlusion}, 0x8D8F35A6U, 0x3EDC01FDU},
+           {42, 1234567, 17, {1, Purpose::LightChoice}, 0xB385671FU, 0xEECC4B8DU},
+       }) {
+    const glm::dvec2 p = Sampler(d.seed, d.pixel, d.sample).get2(d.dimension);
+    CHECK(p.x * 0x1p32 == d.x);
+    CHECK(p.y * 0x1p32 == d.y);
+  }
+}
+
+/// Pearson's statistic of pairs in 16 x 16 equal boxes: for uniform, independent pairs its mean is
+/// 255 and its standard deviation 22.6.
+template <typename Pair>
+double spread(int count, const Pair& pair) {
+  std::vector<int> boxes(256, 0);
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec2 p = pair(static_cast<std::uint32_t>(i));
+    ++boxes[static_cast<std::size_t>(p.x * 16.0) * 16 + static_cast<std::size_t>(p.y * 16.0)];
+  }
+  const double expected = count / 256.0;
+  double sum = 0.0;
+  for (const int n : boxes) sum += (n - expected) * (n - expected) / expected;
+  return sum;
+}
+
+TEST_CASE("sampler: each sample alone is uniform over the pixels, and so is each pair of them") {
+  constexpr int kPixels = 1 << 15;
+  const auto at = [](std::uint32_t pixel, std::uint32_t sample, Dimension d) {
+    return Sampler(1, pixel, sample).get2(d);
+  };
+  const Dimension pixel{0, Purpose::Pixel};
+  for (const std::uint32_t sample : {0U, 1U, 2U, 255U}) {
+    // The two numbers of a point, those of two purposes, two bounces and of neighbours.
+    for (const double statistic : {
+             spread(kPixels, [&](std::uint32_t i) { return at(i, sample, pixel); }),
+             spread(kPixels,
+                    [&](std::uint32_t i) {
+                      return glm::dvec2(at(i, sample, pixel).x,
+                                        at(i, sample, {0, Purpose::Lens}).x);
+                    }),
+             spread(kPixels,
+                    [&](std::uint32_t i) {
+                      return glm::dvec2(at(i, sample, {1, Purpose::Diffuse}).y,
+                                        at(i, sample, {2, Purpose::Diffuse}).y);
+                    }),
+             spread(kPixels,
+                    [&](std::uint32_t i) {
+                      return glm::dvec2(at(2 * i, sample, pixel).x, at(2 * i + 1, sample, pixel).x);
+                    }),
+         }) {
+      CHECK(statistic > 255.0 - 5.0 * 22.6);
+      CHECK(statistic < 255.0 + 5.0 * 22.6);
+    }
   }
 }
 
