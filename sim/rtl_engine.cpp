@@ -13,37 +13,23 @@
 
 #include "Vti_engine.h"
 #include "base/error.hpp"
-#include "bits.hpp"
 #include "counters.hpp"
 #include "engine/engine.hpp"
 #include "make_memory.hpp"
 #include "memory.hpp"
+#include "ports.hpp"
 #include "ti_config.hpp"
 #include "verilated.h"
 
 namespace ti {
 namespace {
 
+using sim::bit;
 using sim::Memory;
-using sim::Packer;
-using sim::Unpacker;
-
-constexpr int kFpWidth = 1 + config::kExpBits + config::kFracBits;
-constexpr Format kFormat{config::kExpBits, config::kFracBits};
+using sim::set_bit;
 
 /// Cycles in which nothing may come after the last ray.
 constexpr int kSilence = 256;
-
-/// Bit `core` of a port that has one bit a core.
-template <typename Port>
-[[nodiscard]] bool bit(const Port& port, int top) {
-  return ((port >> top) & 1U) != 0;
-}
-template <typename Port>
-void set_bit(Port& port, int top, bool value) {
-  const auto mask = static_cast<Port>(Port{1} << top);
-  port = static_cast<Port>(value ? port | mask : port & ~mask);
-}
 
 /// Cycles without a ray in or out or an answer of the memory after which the rays inside count as
 /// lost: a ray that finds all its nodes in the caches shows nothing until the watchdog ends it.
@@ -75,7 +61,7 @@ class RtlEngine final : public Engine {
   }
   ~RtlEngine() override { top_->final(); }
 
-  [[nodiscard]] Format format() const override { return kFormat; }
+  [[nodiscard]] Format format() const override { return sim::kFormat; }
 
   void submit(std::span<const Ray> rays) override {
     queue_.insert(queue_.end(), rays.begin(), rays.end());
@@ -120,8 +106,8 @@ class RtlEngine final : public Engine {
     context_->randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
     top_ = std::make_unique<Vti_engine>(context_.get());
     memory_ = sim::make_memory(image_, options_);
-    reset(*top_);
-    set_scene(*top_);
+    sim::reset(*top_);
+    sim::set_scene(*top_, image_);
     dealt_ = {};
   }
 
@@ -139,7 +125,7 @@ class RtlEngine final : public Engine {
     if (sent != 0) last_event_ = cycle_;
     const std::uint64_t answered = take_reads(top, *memory_);
     if (answered != 0) last_event_ = cycle_;
-    step(top);
+    sim::step(top);
     memory_->tick();
     ++cycle_;
 
@@ -169,7 +155,7 @@ class RtlEngine final : public Engine {
       }
     }
     if (dealt.empty()) return;
-    put_ray(top, stream, dealt.front().id, dealt.front().ray);
+    sim::put_ray(top, stream, dealt.front().id, dealt.front().ray);
     set_bit(top.ray_valid_i, stream, true);
   }
 
@@ -206,61 +192,9 @@ class RtlEngine final : public Engine {
     context_->commandArgs(static_cast<int>(arguments.size()), arguments.data());
   }
 
-  static void step(Vti_engine& top) {
-    top.clk_i = 0;
-    top.eval();
-    top.clk_i = 1;
-    top.eval();
-  }
-
-  static void reset(Vti_engine& top) {
-    top.flush_i = 0;
-    top.ray_valid_i = 0;
-    top.hit_ready_i = 0;
-    top.m_axi_arready = 0;
-    top.m_axi_rvalid = 0;
-    top.count_run_i = 0;
-    top.rst_ni = 0;
-    for (int i = 0; i < 4; ++i) step(top);
-    top.rst_ni = 1;
-    step(top);
-  }
-
   [[nodiscard]] bool stall() {
     return options_.stall_seed != 0 &&
            static_cast<double>(random_() >> 11U) * 0x1p-53 < options_.stall_share;
-  }
-
-  void set_scene(Vti_engine& top) const {
-    const ImageHeader& header = image_.header();
-    const ImageParts& parts = image_.parts();
-    std::fill(std::begin(top.scene_i.m_storage), std::end(top.scene_i.m_storage), 0U);
-    Packer scene(top.scene_i.m_storage);
-    for (const auto& corner : {header.box_hi, header.box_lo}) {
-      for (std::uint32_t bits : corner) scene.put(bits, kFpWidth);
-    }
-    for (std::uint32_t offset :
-         {parts.bary_offset, parts.plane_offset, parts.list_offset, parts.node_offset}) {
-      scene.put(Memory::kBase + offset, config::kAddrBits);
-    }
-    scene.put(parts.triangle_count, 29);
-    scene.put(parts.list_count, 32);
-    scene.put(header.root, 29);
-  }
-
-  static void put_ray(Vti_engine& top, int stream, std::uint32_t id, const Ray& ray) {
-    auto& words = top.ray_data_i[stream].m_storage;
-    std::fill(std::begin(words), std::end(words), 0U);
-    Packer packer(words);
-    const auto put = [&packer](float value) {
-      packer.put(round_to_bits(kFormat, value), kFpWidth);
-    };
-    put(ray.tmax);
-    put(ray.tmin);
-    for (int axis = 0; axis < 3; ++axis) put(ray.d[axis]);
-    for (int axis = 0; axis < 3; ++axis) put(ray.o[axis]);
-    packer.put(ray.any ? 1 : 0, 1);
-    packer.put(id, 32);
   }
 
   /// Hits that come when every ray has.
@@ -272,7 +206,7 @@ class RtlEngine final : public Engine {
     for (int i = 0; i < kSilence; ++i) {
       hits +=
           static_cast<std::uint64_t>(std::popcount(static_cast<std::uint64_t>(top.hit_valid_o)));
-      step(top);
+      sim::step(top);
     }
     return hits;
   }
@@ -305,34 +239,23 @@ class RtlEngine final : public Engine {
     }
   }
 
+  /// Takes the hit of a stream.
   void take(const Vti_engine& top, int stream, std::vector<Answer>& answers) {
-    Unpacker fields(top.hit_data_o[stream].m_storage);
-    Answer answer;
-    answer.hit.steps = static_cast<std::uint16_t>(fields.get(16));
-    answer.hit.v = static_cast<std::uint32_t>(fields.get(kFpWidth));
-    answer.hit.u = static_cast<std::uint32_t>(fields.get(kFpWidth));
-    answer.hit.t = static_cast<std::uint32_t>(fields.get(kFpWidth));
-    answer.hit.prim = static_cast<std::int32_t>(fields.get(32));
-    answer.found = fields.get(1) != 0;
-    answer.hit.status = static_cast<Status>(fields.get(2));
-    const auto id = static_cast<std::uint32_t>(fields.get(32));
-
-    const auto place = static_cast<std::uint32_t>(id - static_cast<std::uint32_t>(first_));
+    const sim::HitBeat beat = sim::get_hit(top, stream);
+    const auto place = static_cast<std::uint32_t>(beat.id - static_cast<std::uint32_t>(first_));
     if (place >= came_.size() || came_[place]) {
       ++counts_.duplicated;
       return;
     }
     came_[place] = true;
-    answer.ray = first_ + place;
-    answer.cycle = cycle_;
-    answers.push_back(answer);
+    answers.push_back({first_ + place, beat.hit, beat.found, cycle_});
     --missing_;
     ++counts_.rays;
   }
 
   /// The counters of the machine since its reset, added to those of machines given up before.
   [[nodiscard]] sim::Counters snapshot() {
-    sim::Counters counters(*top_, [this] { step(*top_); });
+    sim::Counters counters(*top_, [this] { sim::step(*top_); });
     if (before_) counters += *before_;
     return counters;
   }

@@ -1,78 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`configure.py` writes one set of values in every form; what cannot be built gets one sentence."""
+"""`configure.py` takes overrides and fills folders; what cannot be built gets one sentence."""
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
-import config_schema
 import configure
-import jsonschema
 import pytest
-import yaml
-
-ROOT = Path(__file__).resolve().parents[2]
-SCRIPT = ROOT / "scripts/configure.py"
-FORMS = ROOT / "scripts/config_forms.py"
-DOCUMENT = ROOT / "docs/configuration.md"
-SCHEMA = config_schema.load()
-CONFIGS = sorted(path.stem for path in (ROOT / "configs").glob("*.yaml") if path.stem != "schema")
-
-
-def script(*arguments, script=SCRIPT):
-    command = [sys.executable, str(script), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True)
-
-
-def camel(key):
-    return key.title().replace("_", "")
-
-
-def refused(result, out, *words):
-    """One sentence with these words, status 2, nothing written."""
-    assert result.returncode == 2, result.stderr
-    assert result.stderr.count("\n") == 1
-    assert [word for word in words if word not in result.stderr] == [], result.stderr
-    assert not out.exists()
-
-
-def in_sv(key, value):
-    """A value in SystemVerilog, without a prefix of its width."""
-    return camel(f"{key}_{value}") if SCHEMA.keys[key].kind == "enum" else str(int(value))
-
-
-def in_cpp(key, value):
-    """A value in C++."""
-    enum = SCHEMA.keys[key].kind == "enum"
-    return f"{camel(key)}::k{camel(value)}" if enum else json.dumps(value)
-
-
-# --- Every form of a configuration ---------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", CONFIGS)
-def test_every_form_has_the_values_of_the_yaml(name, tmp_path):
-    assert script(name, "--out", tmp_path).returncode == 0
-    stored = yaml.safe_load((ROOT / f"configs/{name}.yaml").read_text())
-    wanted = {key: stored.get(key, rule.default) for key, rule in SCHEMA.keys.items()}
-    wanted["streams"] = wanted["streams"] or wanted["cores"]
-
-    written = json.loads((tmp_path / "config.json").read_text())
-    assert written.pop("name") == name
-    assert written == wanted
-    assert stored.keys() < wanted.keys()
-
-    package = (tmp_path / "ti_config_pkg.sv").read_text()
-    header = (tmp_path / "ti_config.hpp").read_text()
-    constants = dict(re.findall(r"localparam \w+(?: unsigned)? (\w+) = (?:1'b)?(\w+);", package))
-    cpp = dict(re.findall(r"inline constexpr \w+ k(\w+) = ([\w:]+);", header))
-    hardware = {k: v for k, v in wanted.items() if SCHEMA.keys[k].hardware}
-    assert constants == {camel(key): in_sv(key, value) for key, value in hardware.items()}
-    macros = re.findall(r"^`define TI_(\w+[A-Z])$", (tmp_path / "ti_config.svh").read_text(), re.M)
-    assert {m.lower() for m in macros} == {k for k, value in wanted.items() if value is True}
-    assert cpp == {camel(key): in_cpp(key, value) for key, value in hardware.items()}
+from agents.configure_script import ROOT, SCHEMA, refused, script
 
 
 def test_an_override_changes_one_key_and_the_name(tmp_path):
@@ -82,181 +17,10 @@ def test_an_override_changes_one_key_and_the_name(tmp_path):
     assert written["name"] == "tiny num_ist1=3 counters=false"
 
 
-def test_unchanged_files_keep_their_date(tmp_path):
-    dates = []
-    for _ in range(2):
-        assert script("tiny", "--out", tmp_path).returncode == 0
-        dates.append({p.name: p.stat().st_mtime_ns for p in tmp_path.iterdir()})
-    assert dates[0] == dates[1]
-
-
-def complaints(schema, value):
-    """What JSON Schema says of a value."""
-    validator = jsonschema.Draft202012Validator(schema)
-    validator.check_schema(schema)
-    return [error.message for error in validator.iter_errors(value)]
-
-
-@pytest.mark.parametrize("name", CONFIGS)
-def test_the_json_schema_takes_what_is_written_and_nothing_else(name, tmp_path):
-    configure.configure(name, [], tmp_path)
-    config = json.loads((tmp_path / "config.json").read_text())
-    schema = json.loads((tmp_path / "config.schema.json").read_text())
-
-    assert complaints(schema, config) == []
-    assert "'num_rays'" in complaints(schema, config | {"num_rays": 1})[0]
-    for key in config:
-        [message] = complaints(schema, {k: v for k, v in config.items() if k != key})
-        assert f"'{key}'" in message
-    for key, value in {"num_trv": 0, "trv_slots": 24, "counters": 1, "num_list": "1"}.items():
-        assert len(complaints(schema, config | {key: value})) == 1
-
-
-def test_the_document_has_the_table_of_the_schema(tmp_path):
-    assert script("--check", DOCUMENT, script=FORMS).returncode == 0
-    copy = tmp_path / "configuration.md"
-    copy.write_text(DOCUMENT.read_text().replace("| `num_trv` |", "| `num_trvs` |"))
-    assert script("--check", copy, script=FORMS).returncode == 1
-    assert script("--write", copy, script=FORMS).returncode == 0
-    assert copy.read_text() == DOCUMENT.read_text()
-
-
-# --- A key is one entry of the schema ------------------------------------------------------------
-
-NEW = {  # entry, a value that is not the default, SystemVerilog, C++, a wrong value, the sentence
-    "int": (
-        "{type: int, range: [2, 64], power: true, default: 8, group: slots, text: 'Of tests.'}",
-        *("16", "localparam int unsigned TestKey = 16;", "constexpr int kTestKey = 16;"),
-        *("24", "test_key is 24, but must be a power of two from 2 to 64"),
-    ),
-    "bool": (
-        "{type: bool, default: true, group: slots, text: 'Of tests.'}",
-        *("false", "localparam bit TestKey = 1'b0;", "constexpr bool kTestKey = false;"),
-        *("maybe", "test_key is maybe, but must be true or false"),
-    ),
-    "enum": (
-        "{type: enum, values: [kd, wide_bvh], default: kd, group: slots, text: 'Of tests.'}",
-        *("wide_bvh", "localparam test_key_e TestKey = TestKeyWideBvh;"),
-        *("constexpr TestKey kTestKey = TestKey::kWideBvh;", "oct"),
-        "test_key is oct, but must be one of kd, wide_bvh",
-    ),
-    "float": (
-        "{type: float, range: [0, 2], default: 1.0, group: slots, text: 'Of tests.'}",
-        *("0.5", "localparam real TestKey = 0.5;", "constexpr double kTestKey = 0.5;"),
-        *("2.5", "test_key is 2.5, but must be a number from 0 to 2"),
-    ),
-}
-
-
-def with_key(folder, entry):
-    """A copy of the schema with one entry more."""
-    path = folder / "schema.yaml"
-    path.write_text(f"{config_schema.SCHEMA.read_text()}  test_key:\n    {entry}\n")
-    return path
-
-
-def compiler():
-    """The compiler of the set-up."""
-    return (ROOT / "build/setup.stamp").read_text().split("\n")[0]
-
-
-@pytest.mark.parametrize("kind", NEW)
-def test_one_entry_makes_a_key_in_every_form(kind, tmp_path):
-    entry, value, sv, cpp, wrong, sentence = NEW[kind]
-    schema, out = with_key(tmp_path, entry), tmp_path / "out"
-    default = json.dumps(yaml.safe_load(entry)["default"])
-
-    result = script("tiny", f"test_key={wrong}", "--schema", schema, "--out", out)
-    refused(result, out, sentence)
-    refused(script("tiny", "testkey=1", "--schema", schema, "--out", out), out, "mean test_key?")
-
-    assert script("tiny", f"test_key={value}", "--schema", schema, "--out", out).returncode == 0
-    assert sv in (out / "ti_config_pkg.sv").read_text()
-    assert cpp in (out / "ti_config.hpp").read_text()
-    config = json.loads((out / "config.json").read_text())
-    rules = json.loads((out / "config.schema.json").read_text())
-    assert config["test_key"] == yaml.safe_load(value)
-    assert complaints(rules, config) == []
-    assert complaints(rules, config | {"test_key": yaml.safe_load(wrong)}) != []
-    lint = ["verilator", "--lint-only", "-Wall", "-Wno-UNUSEDPARAM", out / "ti_config_pkg.sv"]
-    assert subprocess.run(lint, capture_output=True, text=True).stderr == ""
-
-    page = tmp_path / "page.md"
-    page.write_text(DOCUMENT.read_text())
-    assert script("--schema", schema, "--write", page, script=FORMS).returncode == 0
-    assert re.search(r"^\| `test_key` \| .* \| .* \| Of tests\. \|$", page.read_text(), re.M)
-
-    header = tmp_path / "keys.hpp"
-    assert script("--schema", schema, "--cpp", header, script=FORMS).returncode == 0
-    default = "TestKey::kKd" if kind == "enum" else default
-    assert re.search(rf"^  \w+ test_key = {default};$", header.read_text(), re.M)
-
-
-PROGRAM = """
-#include <iostream>
-#include "base/config.hpp"
-#include "base/error.hpp"
-#include "ti_config.hpp"
-int main(int, char** arguments) try {
-  const ti::Config config = ti::load_config(arguments[1]);
-  std::cout << (config.test_key == ti::config::kTestKey) << config.num_trv << '\\n';
-} catch (const ti::Error& error) {
-  std::cout << error.what() << '\\n';
-}
-"""
-
-
-@pytest.mark.parametrize("kind", ["enum", "float"])
-def test_the_loader_in_cpp_follows_the_schema(kind, tmp_path):
-    entry, value, _, _, wrong, sentence = NEW[kind]
-    schema, out = with_key(tmp_path, entry), tmp_path / "out"
-    assert script("tiny", f"test_key={value}", "--schema", schema, "--out", out).returncode == 0
-    header = out / "base/config_keys.hpp"
-    assert script("--schema", schema, "--cpp", header, script=FORMS).returncode == 0
-    (tmp_path / "main.cpp").write_text(PROGRAM)
-    sources = [tmp_path / "main.cpp", ROOT / "sw/base/config.cpp", ROOT / "sw/io/file.cpp"]
-    command = [compiler(), "-std=c++20", "-Wall", "-Wextra", "-Werror", f"-I{out}"]
-    command += [f"-I{ROOT}/sw", *sources, "-o", tmp_path / "program", "-lfmt"]
-    made = subprocess.run(command, capture_output=True, text=True)
-    assert made.returncode == 0, made.stderr
-
-    def loaded(**changes):
-        path = tmp_path / "config.json"
-        config = json.loads((out / "config.json").read_text()) | changes
-        path.write_text(json.dumps({k: v for k, v in config.items() if v is not None}))
-        return subprocess.run([tmp_path / "program", path], capture_output=True, text=True).stdout
-
-    assert loaded() == "11\n"
-    assert sentence.split("must be")[1] in loaded(test_key=yaml.safe_load(wrong))
-    assert "`test_key` is missing" in loaded(test_key=None)
-    assert "unknown key `test_keys`" in loaded(test_keys=1)
-
-
-@pytest.mark.parametrize(
-    ("entry", "sentence"),
-    [
-        ("{type: long, default: 8, group: slots, text: a}", "the types are int, bool"),
-        ("{type: int, default: 8, group: slots, text: a}", "numbers have a range"),
-        ("{type: int, range: [1, 4], default: 8, group: slots, text: a}", "the default 8 is not"),
-        ("{type: enum, default: a, group: slots, text: a}", "an enum has values"),
-        ("{type: bool, default: true, group: none, text: a}", "there is no group none"),
-        ("{type: bool, default: true, groups: slots, text: a}", "unknown field groups"),
-        ("{type: bool, group: slots, text: a}", "not a schema: 'default'"),
-        ("[", "not a schema"),
-    ],
-)
-def test_a_wrong_entry_of_the_schema_is_named(entry, sentence, tmp_path):
-    schema, out = with_key(tmp_path, entry), tmp_path / "out"
-    refused(script("tiny", "--schema", schema, "--out", out), out, str(schema), sentence)
-
-
 @pytest.mark.parametrize(("cores", "given", "streams"), [(4, 0, 4), (4, 2, 2), (6, 6, 6)])
 def test_streams_are_as_many_as_cores_unless_fewer_are_asked_for(cores, given, streams):
     overrides = [f"cores={cores}", f"streams={given}"]
     assert configure.load("tiny", overrides).values["streams"] == streams
-
-
-# --- What is refused -----------------------------------------------------------------------------
 
 
 def test_the_defaults_are_a_configuration(tmp_path):
@@ -264,6 +28,9 @@ def test_the_defaults_are_a_configuration(tmp_path):
     # As many streams as cores, since none is given.
     assert configure.load(tmp_path / "bare.yaml").values == SCHEMA.defaults() | {"streams": 1}
     assert (SCHEMA.keys["exp_bits"].default, SCHEMA.keys["frac_bits"].default) in SCHEMA.formats
+
+
+# --- What is refused -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

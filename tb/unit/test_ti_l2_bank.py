@@ -4,7 +4,7 @@
 import cocotb
 import pytest
 from agents.bank_requesters import BankRequesters
-from agents.bench import consecutive, run, start
+from agents.bench import consecutive, only, run, start
 from agents.events import Events
 from agents.memory import LineMemory
 from cocotb.triggers import ClockCycles, RisingEdge
@@ -21,11 +21,6 @@ SHAPES = {
 UNITS, IDS, BANKS, _, WAYS, ROWS, LATENCY = (parameter(name, 1) for name in NAMES)
 PLACES = parameter("CacheBytes", 64) // 64
 SLOTS = UNITS * IDS
-
-
-def only(condition):
-    """A test of the shapes for which `condition` holds; the others report it as skipped."""
-    return cocotb.test(skip=not condition)
 
 
 async def begin(dut):

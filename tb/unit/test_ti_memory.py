@@ -9,7 +9,7 @@ from collections import Counter
 import cocotb
 import pytest
 from agents.axi_memory import AxiMemory
-from agents.bench import run, start
+from agents.bench import only, run, start
 from agents.events import Events
 from agents.line_ports import LinePorts
 from agents.memory import line_data
@@ -21,11 +21,6 @@ KINDS = ("num_trv", "num_list", "num_ist1")
 FOR_EVER = 1_000_000
 CONFIG = configuration() if hasattr(cocotb, "top") else {f"{k[4:]}_l2_bytes": 0 for k in KINDS}
 L2_KINDS = [kind for kind, key in enumerate(KINDS) if CONFIG[f"{key[4:]}_l2_bytes"]]
-
-
-def only(condition):
-    """A test of the shapes for which `condition` holds; the others report it as skipped."""
-    return cocotb.test(skip=not condition)
 
 
 class Memory:

@@ -1,22 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ti_trv` visits the nodes that the model visits, one every cycle when fed, and ends every ray."""
 
-import struct
 from collections import Counter
 from itertools import pairwise
 
 import cocotb
 import pytest
-from agents.bench import cycle, run, start
-from agents.events import Events
-from agents.idle import Idle, one
+from agents.bench import cycle, run
 from agents.image_memory import ImageMemory
 from agents.leaf_tests import LeafTests
 from agents.stream import Sink, Source, stalls
+from agents.trv_bench import (
+    Steps,
+    all_hits,
+    check_counts,
+    dispatch,
+    inner,
+    lone_ray,
+    put_nodes,
+    put_scene,
+    setup,
+    tracer_of,
+)
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
 from models.payload import parameter, payloads
-from models.rays import clip, dispatched, ray
+from models.rays import ray
 from models.scene import BASE, Scene, rays_through, soup
 from models.traced import (
     MEMORY_ERROR,
@@ -28,99 +37,11 @@ from models.traced import (
     nodes_of,
     random_rays,
     trace,
-    tracer,
     work_of,
 )
 
 SLOTS_TO_FILL = 32  # fewer cannot keep the step pipeline busy
 RA_HIT = 2  # cycles of a `ti_ra` on a hit
-PATIENCE = 30_000  # cycles without a hit after which a ray is lost
-
-
-class Steps:
-    """The nodes that each ray visits, seen where a step ends; and who lived in which slot."""
-
-    def __init__(self, dut):
-        self.nodes, self.rays_of_slot = {}, {}
-        self._dut = dut
-        cocotb.start_soon(self._run())
-
-    async def _run(self):
-        dut = self._dut
-        while True:
-            await ReadOnly()
-            if dut.end_valid.value == 1:
-                ray_id = self.rays_of_slot[int(dut.end_slot.value)][-1]
-                self.nodes[ray_id].append(int(dut.end_index.value))
-            if dut.start.value == 1:
-                beat = payloads().unpack("dispatch_t", int(dut.dispatch_data_i.value))
-                ray_id = beat["ray_id"]
-                self.rays_of_slot.setdefault(int(dut.new_slot.value), []).append(ray_id)
-                self.nodes[ray_id] = []
-            await RisingEdge(dut.clk_i)
-
-
-class Room:
-    """Sees that a ray is taken in every cycle in which a slot is free, and in no other."""
-
-    def __init__(self, dut):
-        cocotb.start_soon(self._run(dut))
-
-    async def _run(self, dut):
-        free = int(dut.NumSlots.value)
-        while True:
-            await ReadOnly()
-            assert dut.dispatch_ready_o.value == (free > 0), f"{free} slots free"
-            free -= dut.dispatch_valid_i.value == 1 and dut.dispatch_ready_o.value == 1
-            free += dut.hit_valid_o.value == 1 and dut.hit_ready_i.value == 1
-            await RisingEdge(dut.clk_i)
-
-
-async def setup(dut):
-    """The test's random source, and the events of a reset unit under watch."""
-    rng = await start(dut)
-    Room(dut)
-    Idle(dut, {"dispatch": one}, {"hit": one})
-    return rng, Events(dut, "trv")
-
-
-def dispatch(scene, given, ray_id=0, any_hit=0):
-    """The beat of a ray, or None when it misses the scene box."""
-    miss, _, inv, tmin, tmax = clip(*scene.box, given)
-    if miss:
-        return None
-    return dispatched(given, inv, tmin, tmax, ray_id, any_hit)
-
-
-def tracer_of(dut, scene):
-    depth, watchdog = int(dut.StackDepth.value), int(dut.WatchdogSteps.value)
-    return tracer(scene, depth, watchdog)
-
-
-def put_scene(dut, scene):
-    dut.node_base_i.value, dut.root_i.value = scene.node_base, scene.root
-
-
-def check_counts(events, total, rays, memory):
-    have = events.counts()
-    assert {k: have[k] for k in total} == dict(total)
-    assert have["rays"] == rays
-    assert have["l1_accesses"] == total["steps"]
-    assert have["l1_accesses"] == sum(have[f"l1_{k}"] for k in ("hits", "merged", "misses"))
-    assert have["l1_misses"] == len(memory.asked)
-
-
-async def all_hits(dut, beats, gap=lambda: 0, ready=lambda: 1):
-    """Send the dispatches and take as many hits, by ray id."""
-    sink = Sink(dut, "hit")
-    cocotb.start_soon(Source(dut, "dispatch").send(beats, gap))
-    hits = [
-        payloads().unpack("hit_t", bits) for bits in await sink.receive(len(beats), ready, PATIENCE)
-    ]
-    await sink.expect_none(50)
-    by_id = {hit["ray_id"]: hit for hit in hits}
-    assert len(by_id) == len(beats), "a ray came out twice"
-    return by_id
 
 
 @cocotb.test()
@@ -206,23 +127,6 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
         total.update(work)
     check_counts(events, total, len(rays), memory)
     assert 5 < errors < len(rays) - 5
-
-
-def inner(link, reorder=0, axis=0, split=0.0):
-    return numbers().of(split), link << 3 | reorder << 2 | axis
-
-
-def lone_ray(ray_id=0):
-    """A dispatch along x that every `inner(7, split=9.0)` sends on to the node after it."""
-    n = numbers()
-    given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
-    return dispatched(given, n.vec((1, 2, 2)), 0, n.of(2.0), ray_id)
-
-
-def put_nodes(dut, nodes, **memory):
-    dut.node_base_i.value = BASE
-    data = b"".join(struct.pack("<2I", *node) for node in nodes)
-    return ImageMemory(dut, data, BASE, **memory)
 
 
 @cocotb.test()
