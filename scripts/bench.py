@@ -228,7 +228,8 @@ def line(cell: dict) -> str:
     )
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(words: list[str]) -> int:
+    arguments = parse_arguments(words)
     if not arguments.library.is_file():
         raise BenchError(f"{arguments.library}: there is no such library; run `make engine`")
     import ti
@@ -263,18 +264,19 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if all(cell["good"] for cell in cells) else 1
 
 
-def main() -> int:
+def status_of(name: str, run, *refusals: type[Exception]) -> int:
+    """The exit status of `run` on the words of the command; what refuses them is one sentence."""
     try:
-        return run(parse_arguments(sys.argv[1:]))
-    except (BenchError, ValueError) as error:
+        return run(sys.argv[1:])
+    except (BenchError, *refusals) as error:
         print(error, file=sys.stderr)
     except OSError as error:
         print(f"{error.filename}: {error.strerror}", file=sys.stderr)
     except KeyboardInterrupt:
-        print("bench: stopped; the same command goes on from here", file=sys.stderr)
+        print(f"{name}: stopped; the same command goes on from here", file=sys.stderr)
         return 130
     return 2
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(status_of("bench", run, ValueError))

@@ -90,11 +90,16 @@ def machine_of(
     return configure.load(arguments.config, overrides), overrides
 
 
+def bench_words(options: list[str]) -> argparse.Namespace:
+    """The options of the bench, checked."""
+    return bench.parse_arguments([*options, "--config", "-", "--library", "-", "--out", "-"])
+
+
 def measure(arguments: argparse.Namespace, options: list[str], variant: str) -> tuple[list, bool]:
     """The cells of a variant, and whether all of their hits are right."""
     machine, overrides = machine_of(arguments, variant)
     make = ["make", "-s", "engine", f"CONFIG={arguments.config}", f"SET={' '.join(overrides)}"]
-    if "dram" in options:
+    if bench_words(options).mem == "dram":
         make.append("MEM=dram")
     without = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     if subprocess.run(make, cwd=ROOT, env=without).returncode != 0:
@@ -157,7 +162,7 @@ def run(words: list[str]) -> int:
     # All that may be wrong in the words is said before anything is built.
     for variant in variants:
         machine_of(arguments, variant)
-    bench.parse_arguments([*options, "--config", "-", "--library", "-", "--out", "-"])
+    bench_words(options)
     measured, good = {}, True
     for variant in variants:
         print(f"\n{variant or 'as it is'}", flush=True)
@@ -168,18 +173,5 @@ def run(words: list[str]) -> int:
     return 0 if good else 1
 
 
-def main() -> int:
-    try:
-        return run(sys.argv[1:])
-    except (CompareError, ConfigError, bench.BenchError) as error:
-        print(error, file=sys.stderr)
-    except OSError as error:
-        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
-    except KeyboardInterrupt:
-        print("compare: stopped; the same command goes on from here", file=sys.stderr)
-        return 130
-    return 2
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(bench.status_of("compare", run, CompareError, ConfigError))

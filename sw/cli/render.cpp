@@ -9,6 +9,7 @@
 #include "base/limits.hpp"
 #include "cli/summary.hpp"
 #include "cli/traced_run.hpp"
+#include "io/exr.hpp"
 #include "io/file.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"
@@ -49,20 +50,16 @@ void add_heat_map(Files& files, const char* what, const std::vector<std::uint64_
   files.add(fmt::format("{}.png", what), std::move(map.png));
 }
 
-/// Counts of the rays of each pixel.
-struct Counted {
-  std::vector<std::uint64_t> steps;
-  std::vector<std::uint64_t> tests;
-};
-
-/// What paths are traced on: the session, in the waves that were asked for.
+/// What paths are traced on: the session, in the waves that were asked for. Counts for each pixel.
 class Tracing {
  public:
   Tracing(Session& session, const Arguments& arguments, std::size_t pixels, Report& report)
-      : session_(session), waves_(arguments.waves), keep_rays_(arguments.dump), report_(report) {
-    counted_.steps.resize(pixels);
-    counted_.tests.resize(pixels);
-  }
+      : session_(session),
+        waves_(arguments.waves),
+        keep_rays_(arguments.dump),
+        report_(report),
+        steps_(pixels),
+        tests_(pixels) {}
 
   std::vector<Hit> operator()(std::span<const Ray> rays, std::span<const std::uint32_t> pixels) {
     const std::size_t before = report_.total.hits.size();
@@ -70,15 +67,16 @@ class Tracing {
     trace_waves(session_, rays, waves_, report_);
     const Wave& total = report_.total;
     for (std::size_t i = before; i < total.hits.size(); ++i) {
-      counted_.steps[pixels[i - before]] += total.hits[i].steps;
-      if (!total.tests.empty()) counted_.tests[pixels[i - before]] += total.tests[i];
+      steps_[pixels[i - before]] += total.hits[i].steps;
+      if (!total.tests.empty()) tests_[pixels[i - before]] += total.tests[i];
     }
     if (keep_rays_) rays_.insert(rays_.end(), rays.begin(), rays.end());
     const auto first = total.hits.begin() + static_cast<std::ptrdiff_t>(before);
     return {first, total.hits.end()};
   }
 
-  [[nodiscard]] const Counted& counted() const { return counted_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& steps() const { return steps_; }
+  [[nodiscard]] const std::vector<std::uint64_t>& tests() const { return tests_; }
   [[nodiscard]] const std::vector<Ray>& rays() const { return rays_; }
 
  private:
@@ -86,7 +84,8 @@ class Tracing {
   int waves_;
   bool keep_rays_;
   Report& report_;
-  Counted counted_;
+  std::vector<std::uint64_t> steps_;
+  std::vector<std::uint64_t> tests_;
   std::vector<Ray> rays_;
 };
 
@@ -161,10 +160,11 @@ int render(Arguments& arguments) {
   files.add("image.png",
             png_of(occlusion ? radiance : tone_mapped(radiance, report.picture.exposure),
                    size.width, size.height));
+  files.add("radiance.exr", exr_of(radiance, size.width, size.height));
   if (arguments.dump) files.add("radiance.npy", radiance_npy(radiance, size.width, size.height));
   if (arguments.run.engine != EngineKind::Embree) {
-    add_heat_map(files, "steps", tracing.counted().steps, arguments.spp, size);
-    add_heat_map(files, "tests", tracing.counted().tests, arguments.spp, size);
+    add_heat_map(files, "steps", tracing.steps(), arguments.spp, size);
+    add_heat_map(files, "tests", tracing.tests(), arguments.spp, size);
   }
   files.add_dump(arguments, tracing.rays(), report.total, false);
   return finish(report, session, files);

@@ -86,28 +86,15 @@ Lights::End Lights::end_of(std::size_t i, const glm::vec3& origin, Format format
   return {.d = d, .tmax = static_cast<float>(1.0 - std::min(0.5, share + 8.0 * unit))};
 }
 
-std::size_t Lights::chosen(double share) const {
-  const auto at = std::upper_bound(powers_.begin(), powers_.end(), share * powers_.back());
-  return std::min<std::size_t>(static_cast<std::size_t>(at - powers_.begin()),
-                               triangles_.size() - 1);
-}
-
-std::optional<Lights::Point> Lights::sample(const glm::dvec3& from, double choice,
-                                            const glm::dvec2& u) const {
-  return point_of(triangles_[chosen(choice)], from, u);
-}
-
 std::optional<Lights::Point> Lights::sample(const glm::dvec3& from, const glm::dvec2& u) const {
-  const std::size_t at = chosen(u.x);
+  const auto chosen = std::upper_bound(powers_.begin(), powers_.end(), u.x * powers_.back());
+  const std::size_t at = std::min<std::size_t>(static_cast<std::size_t>(chosen - powers_.begin()),
+                                               triangles_.size() - 1);
   const double before = at == 0 ? 0.0 : powers_[at - 1];
   const double width = powers_[at] - before;
   const double rest = width > 0.0 ? (u.x * powers_.back() - before) / width : 0.0;
-  return point_of(triangles_[at], from, {std::clamp(rest, 0.0, 1.0), u.y});
-}
-
-std::optional<Lights::Point> Lights::point_of(std::size_t prim, const glm::dvec3& from,
-                                              const glm::dvec2& u) const {
-  const double root = std::sqrt(u.x);
+  const std::size_t prim = triangles_[at];
+  const double root = std::sqrt(std::clamp(rest, 0.0, 1.0));
   const auto b1 = static_cast<float>(root * (1.0 - u.y));
   const auto b2 = static_cast<float>(root * u.y);
   const glm::dvec3 p0 = scene_.mesh.vertex(prim, 0);

@@ -47,12 +47,9 @@ class Lights {
     double density = 0.0;  ///< a steradian
   };
   /// A triangle by its power, then a uniform point of it. None where the point is in the triangle's
-  /// plane. `has_area()` must hold.
-  [[nodiscard]] std::optional<Point> sample(const glm::dvec3& from, double choice,
-                                            const glm::dvec2& u) const;
-  /// The same by two numbers: the first chooses the triangle, and where in the triangle's share it
-  /// lies is used for the point. So points that are spread over the square are spread over all
-  /// lamps, and those of a lamp of several triangles over the lamp.
+  /// plane. `has_area()` must hold. The first number chooses the triangle, and where in the
+  /// triangle's share it lies is used for the point: so numbers that are spread over the square are
+  /// spread over all lamps, and over a lamp of several triangles.
   [[nodiscard]] std::optional<Point> sample(const glm::dvec3& from, const glm::dvec2& u) const;
 
   /// The density, a steradian, with which `sample` gives the point `at` of triangle `prim`; 0 for a
@@ -61,11 +58,6 @@ class Lights {
                                const glm::dvec3& at) const;
 
  private:
-  /// Place in `triangles_` of the triangle at this share, 0 to 1, of the sum of powers.
-  [[nodiscard]] std::size_t chosen(double share) const;
-  [[nodiscard]] std::optional<Point> point_of(std::size_t prim, const glm::dvec3& from,
-                                              const glm::dvec2& u) const;
-
   const Scene& scene_;
   std::vector<std::uint32_t> triangles_;  ///< those that emit, by number
   std::vector<double> powers_;            ///< of the triangles up to this one; the last is all

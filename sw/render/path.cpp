@@ -20,37 +20,14 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kBatch = std::size_t{1} << 18;  ///< paths under way at once
 constexpr std::size_t kPiece = 1024;
 
-Effect effect_of(Lobe lobe) {
-  switch (lobe) {
-    case Lobe::Diffuse:
-      return Effect::Interreflection;
-    case Lobe::Glossy:
-      return Effect::Glossy;
-    case Lobe::Mirror:
-      return Effect::Mirror;
-    case Lobe::Glass:
-      return Effect::Glass;
-  }
-  return Effect::Interreflection;
-}
-
-Purpose purpose_of(Lobe lobe) {
-  switch (lobe) {
-    case Lobe::Diffuse:
-      return Purpose::Diffuse;
-    case Lobe::Glossy:
-      return Purpose::Glossy;
-    case Lobe::Mirror:
-    case Lobe::Glass:
-      break;
-  }
-  return Purpose::Glass;
-}
-
-RayKind kind_of(Lobe lobe) {
-  return static_cast<RayKind>(static_cast<std::size_t>(RayKind::Diffuse) +
-                              static_cast<std::size_t>(lobe));
-}
+/// What belongs to each lobe, in their order.
+constexpr std::array<Effect, kLobes> kEffectOf{Effect::Interreflection, Effect::Glossy,
+                                               Effect::Mirror, Effect::Glass};
+constexpr std::array<RayKind, kLobes> kKindOf{RayKind::Diffuse, RayKind::Glossy, RayKind::Mirror,
+                                              RayKind::Glass};
+/// A mirror has one direction.
+constexpr std::array<Purpose, kLobes> kPurposeOf{Purpose::Diffuse, Purpose::Glossy, Purpose::Glass,
+                                                 Purpose::Glass};
 
 /// Veach, Optimally Combining Sampling Techniques, SIGGRAPH 1995, with exponent 2.
 double power_heuristic(double mine, double other) {
@@ -99,8 +76,8 @@ struct PathTracer::Vertex {
   glm::dvec3 position;
   Place place;
   const Material* material = nullptr;
-  glm::vec3 front;                      ///< where rays leave on the side of the ray
-  glm::vec3 back;                       ///< and on the other
+  glm::vec3 front{0.0F};                ///< where rays leave on the side of the ray
+  glm::vec3 back{0.0F};                 ///< and on the other, of glass
   std::array<double, kLobes> chance{};  ///< of each lobe to get the ray
 };
 
@@ -144,7 +121,7 @@ std::vector<PathTracer::Path> PathTracer::begin(std::span<const std::uint32_t> p
 
 std::vector<Hit> PathTracer::hits_of(std::span<const Ray> rays,
                                      std::span<const std::uint32_t> pixels) {
-  if (rays.empty()) return {};
+  if (rays.empty() || stopped_) return {};
   std::vector<Hit> hits = trace_(rays, pixels);
   if (hits.size() < rays.size()) stopped_ = true;
   return hits;
@@ -163,7 +140,7 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
       ++rays_[static_cast<std::size_t>(path.kind)];
     }
     const std::vector<Hit> hits = hits_of(rays, places);
-    if (stopped_) return;
+    paths.resize(hits.size());  // fewer when stopped: the picture has what they show
 
     std::vector<Shaded> shaded(paths.size());
     parallel_pieces(paths.size(), kPiece, [&](std::size_t begin, std::size_t end) {
@@ -179,22 +156,23 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
         places.push_back(paths[i].pixel);
       }
     }
-    const bool occlusion =
-        options_.effects.test(static_cast<std::size_t>(Effect::AmbientOcclusion));
-    rays_[static_cast<std::size_t>(occlusion ? RayKind::Occlusion : RayKind::Shadow)] +=
-        rays.size();
+    const RayKind kind = asked(Effect::AmbientOcclusion) ? RayKind::Occlusion : RayKind::Shadow;
+    rays_[static_cast<std::size_t>(kind)] += rays.size();
     const std::vector<Hit> between = hits_of(rays, places);
-    if (stopped_) return;
 
     std::vector<Path> next;
     std::size_t at = 0;
     for (std::size_t i = 0; i < paths.size(); ++i) {
       glm::dvec3& sum = radiance[paths[i].root];
       sum += shaded[i].emitted;
-      for (const ShadowRay& shadow : shaded[i].shadows)
-        if (!shadow.traced || !between[at++].is_hit()) sum += shadow.radiance;
+      for (const ShadowRay& shadow : shaded[i].shadows) {
+        const bool lit = !shadow.traced || (at < between.size() && !between[at].is_hit());
+        if (shadow.traced) ++at;
+        if (lit) sum += shadow.radiance;
+      }
       next.insert(next.end(), shaded[i].next.begin(), shaded[i].next.end());
     }
+    if (stopped_) break;
     paths = std::move(next);
   }
   for (std::size_t i = 0; i < pixels.size(); ++i) film.add(pixels[i], radiance[i]);
@@ -222,16 +200,18 @@ PathTracer::Shaded PathTracer::shade(const Path& path, const Hit& hit, int bounc
                                lights_.density(prim, glm::dvec3(path.ray.o), vertex.position));
     out.emitted = path.throughput * glm::dvec3(vertex.material->emission) * weight;
   }
-  const bool occlusion = options_.effects.test(static_cast<std::size_t>(Effect::AmbientOcclusion));
-  if (occlusion) out.emitted = glm::dvec3(0.0);
+  const bool occlusion = asked(Effect::AmbientOcclusion);
   if (bounce >= options_.bounces && !occlusion) return out;
-  Ray backward = path.ray;
-  backward.d = -backward.d;
   vertex.front = departure(scene_.mesh, path.ray, hit, options_.format).origin;
-  vertex.back = departure(scene_.mesh, backward, hit, options_.format).origin;
   if (occlusion) {
+    out.emitted = glm::dvec3(0.0);
     add_occlusion(out, path, vertex);
     return out;
+  }
+  if (vertex.material->is_glass()) {
+    Ray backward = path.ray;
+    backward.d = -backward.d;
+    vertex.back = departure(scene_.mesh, backward, hit, options_.format).origin;
   }
   vertex.chance = chances(*vertex.material);
   if (bounce == 0) vertex.chance.fill(1.0);  // each lobe gets a ray of its own
@@ -255,15 +235,15 @@ void PathTracer::add_occlusion(Shaded& out, const Path& path, const Vertex& vert
 
 void PathTracer::add_direct(Shaded& out, const Path& path, const Vertex& vertex, int bounce) const {
   const bool glossy_ray = traces(Effect::Glossy);
-  // The lobes that have a density, weighed against the glossy lobe's own rays where `pdf` says how
-  // likely a light is chosen.
-  const auto reflected = [&](const glm::dvec3& toward, double pdf) {
+  // The lobes that have a density; glossy is weighed against its own rays where a light is chosen
+  // with the density `of_light`.
+  const auto reflected = [&](const glm::dvec3& toward, double of_light) {
     glm::dvec3 sum = evaluate(Lobe::Diffuse, *vertex.material, vertex.place, toward);
     if (!vertex.material->is_glossy()) return sum;
     double weight = 1.0;
-    if (pdf > 0.0 && glossy_ray)
-      weight =
-          power_heuristic(pdf, vertex.chance[static_cast<std::size_t>(Lobe::Glossy)] *
+    if (of_light > 0.0 && glossy_ray)
+      weight = power_heuristic(of_light,
+                               vertex.chance[static_cast<std::size_t>(Lobe::Glossy)] *
                                    density(Lobe::Glossy, *vertex.material, vertex.place, toward));
     return sum + weight * evaluate(Lobe::Glossy, *vertex.material, vertex.place, toward);
   };
@@ -294,8 +274,7 @@ void PathTracer::add_direct(Shaded& out, const Path& path, const Vertex& vertex,
     add(end.d, end.tmax, radiance, Effect::Shadows);
   }
   if (!lights_.has_area()) return;
-  const auto point = lights_.sample(vertex.position, random.get1({bounce, Purpose::LightChoice}),
-                                    random.get2({bounce, Purpose::LightPoint}));
+  const auto point = lights_.sample(vertex.position, random.get2({bounce, Purpose::Light}));
   if (!point) {
     if (options_.everything)
       add(glm::vec3(vertex.place.normal), 0.0F, glm::dvec3(0.0), Effect::SoftShadows);
@@ -331,13 +310,13 @@ void PathTracer::add_scattered(Shaded& out, const Path& path, const Vertex& vert
   for (std::size_t k = 0; k < kLobes; ++k) {
     const auto lobe = static_cast<Lobe>(k);
     if (only && lobe != *only) continue;
-    if (!traces(effect_of(lobe))) continue;
+    if (!traces(kEffectOf[k])) continue;
     Path next = path;
-    next.kind = kind_of(lobe);
+    next.kind = kKindOf[k];
     next.throughput = glm::dvec3(0.0);
     next.ray = {.o = vertex.front, .d = glm::vec3(vertex.place.normal)};
     if (const auto scattered =
-            scatter(lobe, *vertex.material, vertex.place, random.get2({bounce, purpose_of(lobe)}),
+            scatter(lobe, *vertex.material, vertex.place, random.get2({bounce, kPurposeOf[k]}),
                     random.get1({bounce, Purpose::Glass}))) {
       const bool through = glm::dot(scattered->direction, vertex.place.normal) < 0.0;
       next.throughput = path.throughput * scattered->weight / vertex.chance[k];
@@ -348,7 +327,7 @@ void PathTracer::add_scattered(Shaded& out, const Path& path, const Vertex& vert
                                              : Path::Emission::All;
     }
     if (!options_.everything && !counts(next, lobe, bounce)) continue;
-    if (options_.effects.test(static_cast<std::size_t>(Effect::Roulette)) && bounce > 0) {
+    if (asked(Effect::Roulette) && bounce > 0) {
       const double stays =
           std::min(1.0, std::max({next.throughput.x, next.throughput.y, next.throughput.z}));
       if (!(random.get1({bounce, Purpose::Roulette}) < stays)) continue;

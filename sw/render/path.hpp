@@ -44,7 +44,8 @@ using RayCounts = std::array<std::uint64_t, kRayKinds>;
 ///
 /// The radiance of a sample is the sum, over the bounces, of what is emitted towards it and of the
 /// direct light of each lobe; `docs/architecture.md`, "Pictures", has the rules. Each ray of
-/// `trace` has its hit at the same place of the answer; fewer hits than rays end the picture.
+/// `trace` has its hit at the same place of the answer; fewer hits than rays end the picture, which
+/// then has what those show.
 class PathTracer {
  public:
   /// Traces rays, each of the pixel at its place; of shadow rays only hit or miss counts
@@ -67,9 +68,10 @@ class PathTracer {
   struct ShadowRay;
   struct Shaded;
 
-  [[nodiscard]] bool traces(Effect effect) const {
-    return options_.everything || options_.effects.test(static_cast<std::size_t>(effect));
+  [[nodiscard]] bool asked(Effect effect) const {
+    return options_.effects.test(static_cast<std::size_t>(effect));
   }
+  [[nodiscard]] bool traces(Effect effect) const { return options_.everything || asked(effect); }
   void trace_batch(std::span<const std::uint32_t> pixels, std::uint32_t sample, Film& film);
   [[nodiscard]] std::vector<Path> begin(std::span<const std::uint32_t> pixels,
                                         std::uint32_t sample) const;

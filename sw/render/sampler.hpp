@@ -10,15 +10,13 @@ namespace ti {
 enum class Purpose : std::uint32_t {
   Pixel,
   Lens,
-  LightChoice,
-  LightPoint,
+  Light,
   LobeChoice,
+  Roulette,
   Diffuse,
   Glossy,
   Glass,
-  Roulette,
   Occlusion,
-  Time,
 };
 
 /// A random number of a sample, or a pair of them: what it is for, at which scattering.

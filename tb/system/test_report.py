@@ -160,7 +160,7 @@ def test_only_what_was_asked_for_is_written(ti, tmp_path):
 
     names = [{path.name for path in (tmp_path / x).iterdir()} for x in ("a", "b", "c/deep")]
     arrays = ("radiance", "rays", "hits", "prims", "steps", "tests")
-    assert names[0] == {"image.png", "steps.png", "tests.png", "report.json"}
+    assert names[0] == {"image.png", "radiance.exr", "steps.png", "tests.png", "report.json"}
     assert names[1] == names[0] | {f"{x}.npy" for x in arrays}
     assert names[2] == {"report.json", "hits.npy", "prims.npy"}
 

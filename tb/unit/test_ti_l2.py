@@ -3,7 +3,7 @@
 
 import cocotb
 import pytest
-from agents.bench import only, run
+from agents.bench import only_if, run
 from agents.l2_bench import BANKS, IDS, LATENCY, NAMES, ROWS, UNITS, begin
 from agents.line_ports import LinePorts
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
@@ -122,7 +122,7 @@ def in_the_middle(requests, cycles):
     return [request for request in requests if first <= request.answered < first + cycles]
 
 
-@only(UNITS * IDS >= 2 * LATENCY)
+@only_if(UNITS * IDS >= 2 * LATENCY)
 async def one_bank_answers_one_hit_a_cycle(dut):
     _, bench = await begin(dut)
     mine = [BANKS * number for number in range(4)]
@@ -132,7 +132,7 @@ async def one_bank_answers_one_hit_a_cycle(dut):
     assert len(in_the_middle(requests, 100)) == 100
 
 
-@only(UNITS * IDS >= 2 * BANKS * LATENCY)
+@only_if(UNITS * IDS >= 2 * BANKS * LATENCY)
 async def every_bank_answers_one_hit_a_cycle(dut):
     _, bench = await begin(dut)
     await bench.bring(range(BANKS))
@@ -157,7 +157,7 @@ async def holds_as_many_consecutive_lines_as_it_has_places(dut):
     bench.finish()
 
 
-@only(UNITS * IDS > ROWS)
+@only_if(UNITS * IDS > ROWS)
 async def waits_while_all_rows_are_taken_and_recovers(dut):
     """And the other banks go on."""
     _, bench = await begin(dut)
@@ -207,7 +207,7 @@ async def a_unit_that_sleeps_holds_up_no_bank_that_it_does_not_wait_for(dut):
     bench.finish()
 
 
-@only(BANKS > 1 and IDS >= BANKS)
+@only_if(BANKS > 1 and IDS >= BANKS)
 async def a_unit_takes_the_banks_in_turn(dut):
     """An answer waits at most once for each other bank."""
     _, bench = await begin(dut)
@@ -249,7 +249,7 @@ async def starves_no_unit(dut, p_stall):
     bench.finish()
 
 
-@only(BANKS > 1 and IDS >= 2 * BANKS)
+@only_if(BANKS > 1 and IDS >= 2 * BANKS)
 async def no_bank_is_starved_by_another(dut):
     """A unit that sleeps while each bank has two answers for it takes one of each first."""
     rng, bench = await begin(dut)

@@ -4,7 +4,7 @@
 import cocotb
 import pytest
 from agents.bank_requesters import BankRequesters
-from agents.bench import consecutive, only, run, start
+from agents.bench import consecutive, only_if, run, start
 from agents.events import Events
 from agents.memory import LineMemory
 from cocotb.triggers import ClockCycles, RisingEdge
@@ -113,7 +113,7 @@ async def answers_a_hit_after_exactly_its_latency(dut):
 
 
 # With fewer the units wait for their answers.
-@only(SLOTS > LATENCY)
+@only_if(SLOTS > LATENCY)
 async def answers_hits_one_a_cycle(dut):
     _, _, slots = await begin(dut)
     lines = [slots.of_bank(3), slots.of_bank(4)]
@@ -126,7 +126,7 @@ async def answers_hits_one_a_cycle(dut):
     assert {t.done - t.taken for t in tickets} == {LATENCY}
 
 
-@only(SLOTS > LATENCY + 2)
+@only_if(SLOTS > LATENCY + 2)
 async def keeps_its_pace_after_answers_have_waited(dut):
     """What is in the delay has room behind it, and no room is lost."""
     rng, _, slots = await begin(dut)
@@ -147,7 +147,7 @@ async def keeps_its_pace_after_answers_have_waited(dut):
     slots.finish()
 
 
-@only(PLACES > 1 and SLOTS > LATENCY + 1)
+@only_if(PLACES > 1 and SLOTS > LATENCY + 1)
 async def answers_hits_while_a_line_is_on_its_way(dut):
     _, memory, slots = await begin(dut)
     await slots.bring(slots.of_bank(3))
@@ -163,7 +163,7 @@ async def answers_hits_while_a_line_is_on_its_way(dut):
     await slots.done([late])
 
 
-@only(min(PLACES, SLOTS) > ROWS)
+@only_if(min(PLACES, SLOTS) > ROWS)
 async def stalls_while_all_rows_are_taken_and_recovers(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -225,7 +225,7 @@ async def keeps_as_many_lines_of_its_number_as_it_has_places(dut):
     assert {t.kind for t in brought} == {"miss"} and {t.kind for t in again} == {"hit"}
 
 
-@only(WAYS > 1)
+@only_if(WAYS > 1)
 async def a_line_used_lately_stays(dut):
     _, _, slots = await begin(dut)
     await slots.bring(*(slots.line_of(0, number) for number in range(slots.ways)))

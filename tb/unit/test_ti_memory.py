@@ -9,7 +9,7 @@ from collections import Counter
 import cocotb
 import pytest
 from agents.axi_memory import AxiMemory
-from agents.bench import only, run, start
+from agents.bench import only_if, run, start
 from agents.events import Events
 from agents.line_ports import LinePorts
 from agents.memory import line_data
@@ -143,7 +143,7 @@ async def errors_reach_only_their_line(dut, p_stall):
 
 
 # The time in an L2 is longer than a unit has ids for.
-@only(not L2_KINDS)
+@only_if(not L2_KINDS)
 async def kinds_and_units_are_served_in_turn_under_full_load(dut):
     """A kind has its share whatever the number of its units, a unit its share of that."""
     _, memory = await begin(dut)
@@ -169,7 +169,7 @@ async def kinds_and_units_are_served_in_turn_under_full_load(dut):
 
 
 # Others pass a unit that waits for a bank.
-@only(not L2_KINDS)
+@only_if(not L2_KINDS)
 @cocotb.parametrize(p_gap=[0.0, 0.5], p_arready=[0.3, 1.0])
 async def starves_no_unit(dut, p_gap, p_arready):
     rng, memory = await begin(dut)
@@ -186,7 +186,7 @@ async def starves_no_unit(dut, p_gap, p_arready):
     assert max(units.passed) <= len(KINDS) * (most + 2)
 
 
-@only(not L2_KINDS)
+@only_if(not L2_KINDS)
 async def moves_one_line_a_cycle_each_way(dut):
     _, memory = await begin(dut)
     units = memory.units
@@ -201,7 +201,7 @@ async def moves_one_line_a_cycle_each_way(dut):
     assert len(middle) == 400 and last > first + 400, "one answer a cycle while all ask"
 
 
-@only(not L2_KINDS)
+@only_if(not L2_KINDS)
 async def holds_max_reads_and_recovers(dut):
     _, memory = await begin(dut)
     units, cap = memory.units, configuration()["max_reads"]
@@ -231,7 +231,7 @@ async def second_answers_reach_nobody(dut):
     assert memory.strays == memory.axi.strays > 50
 
 
-@only(L2_KINDS)
+@only_if(L2_KINDS)
 @cocotb.parametrize(p_stall=[0.0, 0.4])
 async def units_of_a_kind_with_an_l2_share_lines(dut, p_stall):
     rng, memory = await begin(dut)
@@ -256,7 +256,7 @@ async def units_of_a_kind_with_an_l2_share_lines(dut, p_stall):
         assert sum(asked[16 * kind + i] for i in range(8)) == 60 * memory.kind_of.count(kind)
 
 
-@only(L2_KINDS)
+@only_if(L2_KINDS)
 async def a_hit_in_an_l2_takes_exactly_its_latency(dut):
     _, memory = await begin(dut)
     units = memory.units
@@ -269,7 +269,7 @@ async def a_hit_in_an_l2_takes_exactly_its_latency(dut):
         assert (cycles == configuration()["l2_latency"]) == (kind in L2_KINDS)
 
 
-@only(L2_KINDS)
+@only_if(L2_KINDS)
 async def a_miss_in_an_l2_passes_the_port_on_its_way(dut):
     _, memory = await begin(dut)
     units = memory.units
@@ -284,7 +284,7 @@ async def a_miss_in_an_l2_passes_the_port_on_its_way(dut):
     assert cycles == configuration()["l2_latency"] + REQUEST_CYCLES + 1 + 1 + 2
 
 
-@only(L2_KINDS)
+@only_if(L2_KINDS)
 async def forgets_every_line_on_flush(dut):
     _, memory = await begin(dut)
     units = memory.units

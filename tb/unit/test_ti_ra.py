@@ -7,7 +7,7 @@ look again, and a unit that blocks: `ti_ra_mode_claims.py`.
 
 import cocotb
 import pytest
-from agents.bench import consecutive, only, run, start
+from agents.bench import consecutive, only_if, run, start
 from agents.ra_bench import (
     BLOCKING,
     GATHER,
@@ -103,7 +103,7 @@ async def answers_hits_one_a_cycle(dut):
     assert consecutive([t.done for t in tickets])
 
 
-@only(MODE == GATHER and PLACES > 1)
+@only_if(MODE == GATHER and PLACES > 1)
 async def answers_hits_while_a_line_is_on_its_way(dut):
     _, memory, slots = await begin(dut)
     await slots.bring(3)
@@ -119,7 +119,7 @@ async def answers_hits_while_a_line_is_on_its_way(dut):
     await slots.done([late])
 
 
-@only(MODE == GATHER)
+@only_if(MODE == GATHER)
 async def an_error_flags_the_rays_of_its_line_and_the_next_access_asks_again(dut):
     _, memory, slots = await begin(dut)
     bad, good = 8, 9
@@ -147,7 +147,7 @@ async def an_error_flags_the_rays_of_its_line_and_the_next_access_asks_again(dut
     slots.finish()
 
 
-@only(WAYS > 1)
+@only_if(WAYS > 1)
 async def a_line_used_lately_stays(dut):
     _, _, slots = await begin(dut)
     await slots.bring(*(slots.line_of(0, number) for number in range(slots.ways)))
@@ -174,7 +174,7 @@ async def a_storm_of_conflicts_starves_no_ray(dut, latency):
     slots.finish()
 
 
-@only(MODE != RETRY)
+@only_if(MODE != RETRY)
 async def forgets_everything_on_reset(dut):
     rng = await start(dut)
     memory, slots, tasks = play(dut, rng)
@@ -199,7 +199,7 @@ async def forgets_everything_on_reset(dut):
     slots.finish()
 
 
-@only(MODE != RETRY)
+@only_if(MODE != RETRY)
 async def forgets_every_line_on_flush(dut):
     rng, _, slots = await begin(dut)
     kept = slots.sets * slots.ways

@@ -4,12 +4,12 @@
 Run by `test_ti_ra.py`.
 """
 
-from agents.bench import only
+from agents.bench import only_if
 from agents.ra_bench import BLOCKING, MODE, PLACES, RETRY, ROWS, SLOTS, begin
 from cocotb.triggers import ClockCycles
 
 
-@only(MODE == BLOCKING)
+@only_if(MODE == BLOCKING)
 async def a_miss_stops_the_unit_until_its_ray_has_the_line(dut):
     _, memory, slots = await begin(dut)
     await slots.bring(3)
@@ -32,7 +32,7 @@ async def a_miss_stops_the_unit_until_its_ray_has_the_line(dut):
     slots.finish()
 
 
-@only(MODE == RETRY)
+@only_if(MODE == RETRY)
 async def rays_look_again_in_every_cycle_until_their_line_is_there(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -52,7 +52,7 @@ async def rays_look_again_in_every_cycle_until_their_line_is_there(dut):
     slots.finish()
 
 
-@only(MODE == RETRY and PLACES > 1)
+@only_if(MODE == RETRY and PLACES > 1)
 async def a_new_ray_takes_turns_with_those_that_look_again(dut):
     _, memory, slots = await begin(dut)
     await slots.bring(3)
@@ -71,7 +71,7 @@ async def a_new_ray_takes_turns_with_those_that_look_again(dut):
     slots.finish()
 
 
-@only(MODE == RETRY and min(PLACES, SLOTS - 1) > ROWS)
+@only_if(MODE == RETRY and min(PLACES, SLOTS - 1) > ROWS)
 async def a_ray_without_a_row_keeps_new_rays_out_until_it_has_one(dut):
     _, memory, slots = await begin(dut)
     await slots.bring(3)

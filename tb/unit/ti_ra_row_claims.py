@@ -5,12 +5,12 @@ Run by `test_ti_ra.py`.
 """
 
 import cocotb
-from agents.bench import consecutive, only
+from agents.bench import consecutive, only_if
 from agents.ra_bench import BLOCKING, GATHER, MODE, PLACES, ROWS, SLOTS, WAYS, begin
 from cocotb.triggers import ClockCycles
 
 
-@only(MODE == GATHER)
+@only_if(MODE == GATHER)
 async def hands_out_a_row_one_ray_a_cycle(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -25,7 +25,7 @@ async def hands_out_a_row_one_ray_a_cycle(dut):
     assert sorted(t.done for t in tickets) == [filled + 2 + i for i in range(slots.num_slots)]
 
 
-@only(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
+@only_if(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
 async def hands_out_two_rows_without_a_gap(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -39,7 +39,7 @@ async def hands_out_two_rows_without_a_gap(dut):
     assert consecutive([t.done for t in tickets])
 
 
-@only(MODE != BLOCKING)
+@only_if(MODE != BLOCKING)
 async def a_line_that_comes_first_is_handed_out_first(dut):
     _, memory, slots = await begin(dut)
     lines = list(range(10, 10 + min(slots.rows, slots.sets * slots.ways, slots.num_slots)))
@@ -54,7 +54,7 @@ async def a_line_that_comes_first_is_handed_out_first(dut):
     assert [line for _, line, _ in memory.answered] == lines[::-1]
 
 
-@only(MODE == GATHER)
+@only_if(MODE == GATHER)
 async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -74,7 +74,7 @@ async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
     assert all(kind == ("merged" if late <= 0 else "hit") for late, kind in met.items())
 
 
-@only(MODE == GATHER and min(PLACES, SLOTS) > ROWS)
+@only_if(MODE == GATHER and min(PLACES, SLOTS) > ROWS)
 async def stalls_while_all_rows_are_taken_and_recovers(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -93,7 +93,7 @@ async def stalls_while_all_rows_are_taken_and_recovers(dut):
     slots.finish()
 
 
-@only(MODE == GATHER and WAYS < ROWS and WAYS + 1 < SLOTS)
+@only_if(MODE == GATHER and WAYS < ROWS and WAYS + 1 < SLOTS)
 async def stalls_while_all_ways_are_pinned_and_recovers(dut):
     _, memory, slots = await begin(dut)
     lines = [slots.line_of(0, number) for number in range(slots.ways + 1)]
@@ -116,7 +116,7 @@ async def stalls_while_all_ways_are_pinned_and_recovers(dut):
     slots.finish()
 
 
-@only(MODE == GATHER)
+@only_if(MODE == GATHER)
 @cocotb.parametrize(rays_a_line=[1, 2, 3], latency=[1, 3])
 async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
     """All rows fill at once; then misses that need only some of them stream on."""

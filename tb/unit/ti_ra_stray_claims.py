@@ -5,13 +5,13 @@ Run by `test_ti_ra.py`.
 """
 
 import cocotb
-from agents.bench import only
+from agents.bench import only_if
 from agents.ra_bench import GATHER, MODE, PATTERNS, ROW_IDS, ROWS, begin, pattern
 from cocotb.triggers import ClockCycles
 from models.payload import payloads
 
 
-@only(ROWS < ROW_IDS)
+@only_if(ROWS < ROW_IDS)
 async def drops_answers_under_ids_that_no_row_has(dut):
     rng, memory, slots = await begin(dut)
     memory.latency = lambda line: rng.randrange(1, 12)
@@ -24,7 +24,7 @@ async def drops_answers_under_ids_that_no_row_has(dut):
     slots.finish()
 
 
-@only(MODE == GATHER)
+@only_if(MODE == GATHER)
 async def drops_answers_to_rows_that_are_free(dut):
     rng, memory, slots = await begin(dut)
     await slots.bring(1, 2)
@@ -50,7 +50,7 @@ async def drops_answers_to_rows_that_are_free(dut):
     slots.finish()
 
 
-@only(MODE == GATHER)
+@only_if(MODE == GATHER)
 async def drops_a_second_answer_to_a_row_that_hands_out(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
