@@ -137,10 +137,10 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
     for (const Path& path : paths) {
       rays.push_back(path.ray);
       places.push_back(path.pixel);
-      ++rays_[static_cast<std::size_t>(path.kind)];
     }
     const std::vector<Hit> hits = hits_of(rays, places);
     paths.resize(hits.size());  // fewer when stopped: the picture has what they show
+    for (const Path& path : paths) ++rays_[static_cast<std::size_t>(path.kind)];
 
     std::vector<Shaded> shaded(paths.size());
     parallel_pieces(paths.size(), kPiece, [&](std::size_t begin, std::size_t end) {
@@ -156,9 +156,9 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
         places.push_back(paths[i].pixel);
       }
     }
-    const RayKind kind = asked(Effect::AmbientOcclusion) ? RayKind::Occlusion : RayKind::Shadow;
-    rays_[static_cast<std::size_t>(kind)] += rays.size();
     const std::vector<Hit> between = hits_of(rays, places);
+    const RayKind kind = asked(Effect::AmbientOcclusion) ? RayKind::Occlusion : RayKind::Shadow;
+    rays_[static_cast<std::size_t>(kind)] += between.size();
 
     std::vector<Path> next;
     std::size_t at = 0;
@@ -172,7 +172,6 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
       }
       next.insert(next.end(), shaded[i].next.begin(), shaded[i].next.end());
     }
-    if (stopped_) break;
     paths = std::move(next);
   }
   for (std::size_t i = 0; i < pixels.size(); ++i) film.add(pixels[i], radiance[i]);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -84,6 +85,72 @@ TEST_CASE("paths: a white body in uniform light cannot be seen") {
   }
   const Picture picture = picture_of(scene, {.width = 24, .height = 16, .spp = 4}, "auto");
   for (const glm::vec3& c : picture.radiance) CHECK(c.x == doctest::Approx(1.0).epsilon(1e-6));
+}
+
+TEST_CASE("paths: each pixel shows what is in its place, rows from the top") {
+  // Lamps of their own brightness, as a chessboard seen straight on.
+  constexpr int kWidth = 7;
+  constexpr int kHeight = 5;
+  Scene scene;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto left = static_cast<float>(x);
+      const auto low = static_cast<float>(kHeight - 1 - y);
+      scene.materials.push_back(
+          {.emission = {static_cast<float>(1 + x), static_cast<float>(1 + y), 1.0F}});
+      add_quad(scene,
+               {{{left, low, 0}, {left + 1, low, 0}, {left + 1, low + 1, 0}, {left, low + 1, 0}}},
+               static_cast<std::uint16_t>(scene.materials.size() - 1));
+    }
+  }
+  const float middle_x = 0.5F * kWidth;
+  const float middle_y = 0.5F * kHeight;
+  scene.camera = {
+      .eye = {middle_x, middle_y, middle_y}, .target = {middle_x, middle_y, 0}, .fov_y_deg = 90.0F};
+  for (const int spp : {1, 3}) {
+    const Picture picture =
+        picture_of(scene, {.width = kWidth, .height = kHeight, .spp = spp, .bounces = 0}, "auto");
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        CHECK(picture.radiance[static_cast<std::size_t>(y * kWidth + x)] ==
+              glm::vec3(1 + x, 1 + y, 1));
+      }
+    }
+  }
+}
+
+TEST_CASE("paths: an engine that stops leaves what its hits show, and no ray behind it") {
+  Scene scene = still_life();
+  const FilmSize size{.width = 16, .height = 16, .spp = 2};
+  BuildStats stats;
+  const Image image = build_image(scene.mesh, {}, stats);
+  const auto model = Tracer::create(image, {});
+  for (const std::size_t limit : {100U, 256U, 400U, 700U}) {
+    std::size_t left = limit;
+    bool stopped = false;
+    const Plan plan = make_plan(scene, size, EffectRequest::of("auto"));
+    PathTracer tracer(scene, {.width = 16, .height = 16, .spp = 2, .effects = plan.effects},
+                      [&](std::span<const Ray> rays, std::span<const std::uint32_t>) {
+                        REQUIRE(!stopped);
+                        const std::size_t count = std::min(left, rays.size());
+                        left -= count;
+                        stopped = count < rays.size();
+                        std::vector<Hit> hits;
+                        for (const HitBits& bits : run_model(*model, rays.first(count)).hits)
+                          hits.push_back(hit_of({}, bits));
+                        return hits;
+                      });
+    Film film(16, 16);
+    tracer.render(film);
+    CHECK(tracer.stopped());
+    std::uint64_t traced = 0;
+    for (const std::uint64_t count : tracer.rays()) traced += count;
+    CHECK(traced == limit);
+    double sum = 0.0;
+    for (const glm::vec3& c : film.radiance()) sum += c.x;
+    CHECK(std::isfinite(sum));
+    if (limit >= 400) CHECK(sum > 0.0);  // some shadow rays came back
+  }
 }
 
 TEST_CASE("paths: glass in uniform light loses only the paths that are cut") {
