@@ -61,7 +61,6 @@ struct PathTracer::Path {
 struct PathTracer::ShadowRay {
   Ray ray;
   glm::dvec3 radiance;
-  bool traced = true;  ///< false: nothing can be between, or nobody asks
 };
 
 /// What comes of a hit, in the order in which it counts.
@@ -86,7 +85,12 @@ PathTracer::PathTracer(const Scene& scene, const PathOptions& options, Trace tra
       options_(options),
       trace_(std::move(trace)),
       lights_(scene),
-      headlight_(is_unlit(scene)) {}
+      headlight_(is_unlit(scene)) {
+  EffectSet of_rays = options.effects;
+  for (const Effect effect : {Effect::Lens, Effect::Roulette})
+    of_rays.reset(static_cast<std::size_t>(effect));
+  leaves_ = options.everything || of_rays.any();
+}
 
 void PathTracer::render(Film& film) {
   const std::vector<std::uint32_t> order = morton_order(options_.width, options_.height);
@@ -151,7 +155,6 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
     places.clear();
     for (std::size_t i = 0; i < paths.size(); ++i) {
       for (const ShadowRay& shadow : shaded[i].shadows) {
-        if (!shadow.traced) continue;
         rays.push_back(shadow.ray);
         places.push_back(paths[i].pixel);
       }
@@ -166,9 +169,8 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
       glm::dvec3& sum = radiance[paths[i].root];
       sum += shaded[i].emitted;
       for (const ShadowRay& shadow : shaded[i].shadows) {
-        const bool lit = !shadow.traced || (at < between.size() && !between[at].is_hit());
-        if (shadow.traced) ++at;
-        if (lit) sum += shadow.radiance;
+        if (at < between.size() && !between[at].is_hit()) sum += shadow.radiance;
+        ++at;
       }
       next.insert(next.end(), shaded[i].next.begin(), shaded[i].next.end());
     }
@@ -201,13 +203,13 @@ PathTracer::Shaded PathTracer::shade(const Path& path, const Hit& hit, int bounc
   }
   const bool occlusion = asked(Effect::AmbientOcclusion);
   if (bounce >= options_.bounces && !occlusion) return out;
-  vertex.front = departure(scene_.mesh, path.ray, hit, options_.format).origin;
+  if (leaves_) vertex.front = departure(scene_.mesh, path.ray, hit, options_.format).origin;
   if (occlusion) {
     out.emitted = glm::dvec3(0.0);
     add_occlusion(out, path, vertex);
     return out;
   }
-  if (vertex.material->is_glass()) {
+  if (leaves_ && vertex.material->is_glass()) {
     Ray backward = path.ray;
     backward.d = -backward.d;
     vertex.back = departure(scene_.mesh, backward, hit, options_.format).origin;
@@ -246,13 +248,18 @@ void PathTracer::add_direct(Shaded& out, const Path& path, const Vertex& vertex,
                                    density(Lobe::Glossy, *vertex.material, vertex.place, toward));
     return sum + weight * evaluate(Lobe::Glossy, *vertex.material, vertex.place, toward);
   };
-  const auto add = [&](const glm::vec3& d, float tmax, const glm::dvec3& radiance, Effect effect) {
-    const bool adds = radiance != glm::dvec3(0.0);
-    if (!adds && !options_.everything) return;
-    out.shadows.push_back({.ray = {.o = vertex.front, .d = d, .tmax = tmax, .any = true},
-                           .radiance = path.throughput * radiance,
-                           .traced = traces(effect)});
+  // Light that counts unless something is before its end, where anybody looks for that.
+  const auto add = [&](const glm::dvec3& radiance, Effect effect, const auto& end_of) {
+    if (radiance == glm::dvec3(0.0) && !options_.everything) return;
+    if (!traces(effect)) {
+      out.emitted += path.throughput * radiance;
+      return;
+    }
+    const Lights::End end = end_of();
+    out.shadows.push_back({.ray = {.o = vertex.front, .d = end.d, .tmax = end.tmax, .any = true},
+                           .radiance = path.throughput * radiance});
   };
+  const auto nowhere = [&] { return Lights::End{glm::vec3(vertex.place.normal), 0.0F}; };
 
   if (headlight_) {
     if (bounce != 0) return;
@@ -264,27 +271,26 @@ void PathTracer::add_direct(Shaded& out, const Path& path, const Vertex& vertex,
   for (std::size_t i = 0; i < lights_.count(); ++i) {
     const auto toward = lights_.toward(i, vertex.position);
     if (!toward) {
-      if (options_.everything)
-        add(glm::vec3(vertex.place.normal), 0.0F, glm::dvec3(0.0), Effect::Shadows);
+      add(glm::dvec3(0.0), Effect::Shadows, nowhere);
       continue;
     }
-    const glm::dvec3 radiance = reflected(toward->direction, 0.0) * toward->irradiance;
-    const Lights::End end = lights_.end_of(i, vertex.front, options_.format);
-    add(end.d, end.tmax, radiance, Effect::Shadows);
+    add(reflected(toward->direction, 0.0) * toward->irradiance, Effect::Shadows,
+        [&] { return lights_.end_of(i, vertex.front, options_.format); });
   }
   if (!lights_.has_area()) return;
   const auto point = lights_.sample(vertex.position, random.get2({bounce, Purpose::Light}));
   if (!point) {
-    if (options_.everything)
-      add(glm::vec3(vertex.place.normal), 0.0F, glm::dvec3(0.0), Effect::SoftShadows);
+    add(glm::dvec3(0.0), Effect::SoftShadows, nowhere);
     return;
   }
-  const glm::dvec3 radiance =
-      reflected(point->direction, point->density) * point->emission / point->density;
   // To where a ray would leave the light towards this surface, so that the light is not in its way.
-  const Ray back{.o = vertex.front, .d = glm::vec3(point->direction)};
-  const glm::vec3 target = departure(scene_.mesh, back, point->hit, options_.format).origin;
-  add(target - vertex.front, 1.0F, radiance, Effect::SoftShadows);
+  const auto end = [&] {
+    const Ray back{.o = vertex.front, .d = glm::vec3(point->direction)};
+    const glm::vec3 target = departure(scene_.mesh, back, point->hit, options_.format).origin;
+    return Lights::End{target - vertex.front, 1.0F};
+  };
+  add(reflected(point->direction, point->density) * point->emission / point->density,
+      Effect::SoftShadows, end);
 }
 
 std::optional<Lobe> PathTracer::chosen(const Vertex& vertex, double u) {

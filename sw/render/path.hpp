@@ -90,6 +90,7 @@ class PathTracer {
   Trace trace_;
   Lights lights_;
   bool headlight_;
+  bool leaves_;  ///< whether any ray starts at a hit
   RayCounts rays_{};
   bool stopped_ = false;
 };
