@@ -176,6 +176,7 @@ def measure(ti, path: Path, kind: str, arguments: argparse.Namespace) -> dict:
         "per_ray": report["per_ray"],
         "cache": report["cache"],
         "sim": report["sim"],
+        "hits_sha256": hashlib.sha256(wave.hits.tobytes() + wave.prims.tobytes()).hexdigest(),
         "good": wave.good and warm_up.good,
     }
 

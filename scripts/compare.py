@@ -8,7 +8,8 @@ own below OUT, so a comparison that was stopped goes on where it stood.  Options
 here (scenes, rays, count, memory) are those of the bench; of all kinds of rays a sample is traced.
 
 OUT gets `compare.csv`, a row for each variant and cell, and `compare.md`, a table for each measure:
-variants down, cells across, and the geometric mean of Mrays/s.
+variants down, cells across, and the geometric mean of Mrays/s; and in how many cells the hits of a
+variant are those of the machine as it is, bit for bit.
 
 Exit status: 0, 1 when a check of some cell failed, 2 for bad input.
 
@@ -131,19 +132,36 @@ def table(measured: dict[str, list], name: str) -> list[str]:
     return [*lines, ""]
 
 
+def same_hits(measured: dict[str, list], variant: str) -> list[bool]:
+    """Of each cell whether the variant's hits are the machine's as it is, bit for bit."""
+    pairs = zip(measured[variant], measured[""], strict=True)
+    return [cell["hits_sha256"] == machine["hits_sha256"] for cell, machine in pairs]
+
+
+def hits_table(measured: dict[str, list]) -> list[str]:
+    """The lines of the table of hits in Markdown."""
+    lines = ["## Cells with the hits of the machine as it is, bit for bit", ""]
+    lines += ["| variant | cells |", "|---|---:|"]
+    for variant in list(measured)[1:]:
+        same = same_hits(measured, variant)
+        lines.append(f"| `{variant}` | {sum(same)} of {len(same)} |")
+    return [*lines, ""]
+
+
 def write(out: Path, measured: dict[str, list]) -> None:
     """Both files, each whole or not at all."""
     partial = out / f"compare.{os.getpid()}.part"
     try:
         with partial.open("w", newline="") as file:
             rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(["variant", "scene", "ray_type", *MEASURES])
+            rows.writerow(["variant", "scene", "ray_type", *MEASURES, "same_hits"])
             for variant, cells in measured.items():
-                for cell in cells:
+                for cell, same in zip(cells, same_hits(measured, variant), strict=True):
                     figures = [f"{value(cell):.6g}" for value in MEASURES.values()]
-                    rows.writerow([variant, cell["scene"], cell["ray_type"], *figures])
+                    rows.writerow([variant, cell["scene"], cell["ray_type"], *figures, int(same)])
         partial.replace(out / "compare.csv")
-        partial.write_text("\n".join(line for name in TABLES for line in table(measured, name)))
+        lines = [line for name in TABLES for line in table(measured, name)]
+        partial.write_text("\n".join(lines + hits_table(measured)))
         partial.replace(out / "compare.md")
     finally:
         partial.unlink(missing_ok=True)

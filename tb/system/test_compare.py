@@ -43,6 +43,22 @@ def test_a_comparison_goes_on_where_it_was_stopped(tiny, out):
     assert len(rows_of(out)) == 6
 
 
+def test_a_variant_whose_hits_differ_in_a_bit_is_named(tiny, out):
+    make("compare", out, VARIANTS="layout=dfl", **WORDS).good()
+    rows = rows_of(out)
+    assert [row["same_hits"] for row in rows.values()] == ["1"] * 4
+    assert "| `layout=dfl` | 2 of 2 |" in (out / "compare.md").read_text()
+
+    # The same command takes the cells from the file, one of them with the hits of something else.
+    file = out / "layout=dfl/bench.json"
+    content = json.loads(file.read_text())
+    content["cells"][1]["hits_sha256"] = "0" * 64
+    file.write_text(json.dumps(content))
+    make("compare", out, VARIANTS="layout=dfl", **WORDS).good()
+    assert rows_of(out)["layout=dfl", "diffuse"]["same_hits"] == "0"
+    assert "| `layout=dfl` | 1 of 2 |" in (out / "compare.md").read_text()
+
+
 def test_figures_are_those_of_the_bench(tiny, tmp_path):
     one, both = tmp_path / "one", tmp_path / "both"
     make("bench", one, SET="layout=dfl", **WORDS).good()
