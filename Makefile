@@ -9,6 +9,8 @@ SIZE ?= 256x256
 SPP ?= 1
 EFFECTS ?= auto
 BOUNCES ?= 4
+FRAMES ?=
+FPS ?=
 ENGINE ?= rtl
 FORMAT ?= 8,23
 FILE ?=
@@ -91,8 +93,9 @@ case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
 ##@ Trace
-render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS=auto|all|none|auto-mirror BOUNCES= CONFIG= CORES= ENGINE= MEM=ideal|fixed|dram OUT= DUMP=1)
-	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) --bounces $(call q,BOUNCES) $(common_args) \
+render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS=auto|all|none|auto-mirror BOUNCES= FRAMES=0:16 CONFIG= CORES= ENGINE= MEM=ideal|fixed|dram OUT= DUMP=1)
+	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) --bounces $(call q,BOUNCES) \
+	  $(call opt,--frames,FRAMES) $(call opt,--fps,FPS) $(common_args) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name))
 
 trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= MEM= OUT=)

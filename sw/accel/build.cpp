@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "accel/image_checksum.hpp"
+#include "accel/kd_update.hpp"
 #include "accel/kdtree.hpp"
 #include "accel/prepare.hpp"
 #include "base/error.hpp"
@@ -29,9 +30,10 @@ constexpr double kMinCellUlps = 4.0;
 constexpr double kDilationUlps =
     0x1p-20;  // far above the rounding of `clipped_bounds`, for every format
 
-/// The rules of the tree of one scene; throws `Error` when the padded box leaves the range of the
-/// format.
-KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& options) {
+/// The rules of the tree of one scene, whose triangles may come to be anywhere in `reach`; throws
+/// `Error` when the padded box leaves the range of the format.
+KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& options,
+                   const std::optional<Box>& reach) {
   KdRules rules{FormatGrid(options.format),
                 {{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}},
                 options.step_cost,
@@ -45,18 +47,19 @@ KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& op
   if (triangles.empty()) return rules;
 
   const Point first = point_of(triangles[0][0]);
-  Box box{first, first};
-  double largest = 0.0;
+  Box box = reach.value_or(Box{first, first});
   for (const Corners& corners : triangles) {
     for (const glm::vec3& place : corners) {
       const Point corner = point_of(place);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         box.lo[axis] = std::min(box.lo[axis], corner[axis]);
         box.hi[axis] = std::max(box.hi[axis], corner[axis]);
-        largest = std::max(largest, std::abs(corner[axis]));
       }
     }
   }
+  double largest = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    largest = std::max({largest, std::abs(box.lo[axis]), std::abs(box.hi[axis])});
   const double diagonal =
       std::sqrt(std::pow(box.hi[0] - box.lo[0], 2) + std::pow(box.hi[1] - box.lo[1], 2) +
                 std::pow(box.hi[2] - box.lo[2], 2));
@@ -218,23 +221,77 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   return Image(std::move(bytes), "built image");
 }
 
+/// The image of a tree, and what is to be said of it.
+Image image_of(const Mesh& mesh, const KdTree& tree, const KdRules& rules,
+               const BuildOptions& options, const PreparedTriangles& prepared, BuildStats& stats) {
+  const Emitter parts(tree, rules, options, prepared, stats);
+  stats.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  stats.dropped_nonfinite = prepared.dropped_nonfinite;
+  stats.dropped_zero_area = prepared.dropped_zero_area;
+  stats.nodes = static_cast<std::uint32_t>(parts.nodes.size());
+  stats.references = static_cast<std::uint32_t>(parts.list.size());
+  return assemble(parts, rules, options);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 }  // namespace
 
 Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats) {
   const auto begin = std::chrono::steady_clock::now();
   stats = {};
   const PreparedTriangles prepared = prepare_triangles(mesh, options.format);
-  const KdRules rules = make_rules(prepared.corners, options);
+  const KdRules rules = make_rules(prepared.corners, options, std::nullopt);
   const KdTree tree = build_kd_tree(prepared.corners, rules);
-  const Emitter parts(tree, rules, options, prepared, stats);
+  Image image = image_of(mesh, tree, rules, options, prepared, stats);
+  stats.new_cells = 1;
+  stats.new_references = stats.references;
+  stats.seconds = seconds_since(begin);
+  return image;
+}
 
-  stats.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  stats.dropped_nonfinite = prepared.dropped_nonfinite;
-  stats.dropped_zero_area = prepared.dropped_zero_area;
-  stats.nodes = static_cast<std::uint32_t>(parts.nodes.size());
-  stats.references = static_cast<std::uint32_t>(parts.list.size());
-  Image image = assemble(parts, rules, options);
-  stats.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+struct MovingTree::State {
+  BuildOptions options;
+  Box reach;
+  PreparedTriangles prepared{};
+  std::optional<KdRules> rules{};
+  KdTree tree{};
+};
+
+MovingTree::MovingTree(const BuildOptions& options, const Box& reach)
+    : state_(std::make_unique<State>(State{.options = options, .reach = reach})) {}
+
+MovingTree::~MovingTree() = default;
+
+Image MovingTree::next(const Mesh& mesh, bool anew, BuildStats& stats) {
+  const auto begin = std::chrono::steady_clock::now();
+  stats = {};
+  PreparedTriangles prepared = prepare_triangles(mesh, state_->options.format);
+  const PreparedTriangles& last = state_->prepared;
+  const auto same_prim = [](const ImagePlane& a, const ImagePlane& b) { return a.prim == b.prim; };
+  const bool same =
+      state_->rules && std::equal(last.planes.begin(), last.planes.end(), prepared.planes.begin(),
+                                  prepared.planes.end(), same_prim);
+  if (anew || !same) {
+    state_->rules = make_rules(prepared.corners, state_->options, state_->reach);
+    state_->tree = build_kd_tree(prepared.corners, *state_->rules);
+    stats.new_cells = 1;
+    stats.new_references = static_cast<std::uint32_t>(state_->tree.references.size());
+  } else {
+    std::vector<std::uint8_t> moved(prepared.corners.size());
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      moved[i] = prepared.corners[i] == last.corners[i] ? 0 : 1;
+    KdUpdate update;
+    state_->tree = update_kd_tree(state_->tree, prepared.corners, moved, *state_->rules, update);
+    stats.new_cells = update.cells;
+    stats.new_references = update.references;
+  }
+  state_->prepared = std::move(prepared);
+  Image image =
+      image_of(mesh, state_->tree, *state_->rules, state_->options, state_->prepared, stats);
+  stats.seconds = seconds_since(begin);
   return image;
 }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "accel/image.hpp"
 #include "base/config_keys.hpp"
+#include "base/vec.hpp"
 #include "scene/mesh.hpp"
 
 namespace ti {
@@ -41,12 +44,32 @@ struct BuildStats {
   double sah_cost = 0.0;  ///< expected cost of a ray through the scene box: nodes visited, leaves
                           ///< included, and tests
   double seconds = 0.0;
+  std::uint32_t new_cells = 0;       ///< of an update: cells that were built anew,
+  std::uint32_t new_references = 0;  ///< and the references in them; of a build: all
 };
 
 /// Builds the tree and the image of `mesh`. A mesh without a usable triangle gives an image whose
 /// root is an empty leaf (callers that need a triangle say so themselves). Throws `Error` when the
 /// scene cannot be expressed in the format.
 [[nodiscard]] Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats);
+
+/// The tree of a mesh whose vertices move from frame to frame (`update_kd_tree`).
+class MovingTree {
+ public:
+  /// `reach` holds the usable vertices of all frames.
+  MovingTree(const BuildOptions& options, const Box& reach);
+  ~MovingTree();
+  MovingTree(const MovingTree&) = delete;
+  MovingTree& operator=(const MovingTree&) = delete;
+
+  /// The image of the mesh as it is now: only cells where a triangle moved since the last call are
+  /// built anew, all of them with `anew`, the first time, and when other triangles are dropped.
+  [[nodiscard]] Image next(const Mesh& mesh, bool anew, BuildStats& stats);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// One sentence for a warning when triangles were dropped; empty when none were.
 [[nodiscard]] std::string dropped_warning(const BuildStats& stats);

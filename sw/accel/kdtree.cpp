@@ -5,13 +5,13 @@
 #include <array>
 #include <bit>
 #include <cstddef>
-#include <deque>
 #include <exception>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "accel/image.hpp"
+#include "accel/kd_builder.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 
@@ -25,19 +25,8 @@ constexpr std::size_t kForkSize = 20000;
 /// No new id.
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-/// The part of a triangle in a cell, as the planes that just miss it on each axis:
-/// a plane s has some of it below when s > before, and some of it above when s < after.
-struct Fragment {
-  std::uint32_t triangle;
-  std::array<float, 3> before;
-  std::array<float, 3> after;
-};
-
-/// Where a fragment starts or ends: position, then ends before starts, then the fragment, in one
-/// sortable word.
-using Event = std::uint64_t;
-constexpr Event kStart = Event{1} << 31U;
-constexpr Event kIdMask = kStart - 1;
+constexpr KdEvent kStart = KdEvent{1} << 31U;
+constexpr KdEvent kIdMask = kStart - 1;
 
 /// Maps floats to integers of the same order.
 std::uint32_t ordered(float x) {
@@ -49,58 +38,40 @@ float from_ordered(std::uint32_t key) {
   return std::bit_cast<float>((key >> 31U) != 0 ? key & 0x7FFFFFFFU : ~key);
 }
 
-Event start_event(float x, std::size_t id) { return Event{ordered(x)} << 32U | kStart | id; }
-Event end_event(float x, std::size_t id) { return Event{ordered(x)} << 32U | id; }
+KdEvent start_event(float x, std::size_t id) { return KdEvent{ordered(x)} << 32U | kStart | id; }
+KdEvent end_event(float x, std::size_t id) { return KdEvent{ordered(x)} << 32U | id; }
 
-/// The triangles of a cell.
-struct Cell {
-  Box box;
-  std::vector<Fragment> fragments;
-  std::array<std::vector<Event>, 3> events;  ///< sorted
+}  // namespace
 
-  void clear() {
-    fragments.clear();
-    for (auto& axis : events) axis.clear();
+Fragment whole_fragment(std::span<const Corners> triangles, std::uint32_t number,
+                        const KdRules& rules) {
+  Fragment fragment{.triangle = number, .before = {}, .after = {}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = [&](std::size_t corner) {
+      return double{triangles[number][corner][static_cast<int>(axis)]};
+    };
+    const auto [lo, hi] = std::minmax({at(0), at(1), at(2)});
+    fragment.before[axis] = rules.grid.below(lo - rules.dilation);
+    fragment.after[axis] = rules.grid.above(hi + rules.dilation);
   }
-};
+  return fragment;
+}
 
-struct Split {
-  double cost = std::numeric_limits<double>::infinity();
-  std::size_t axis = 3;
-  float plane = 0.0F;
-};
+Fragment clipped_fragment(std::span<const Corners> triangles, const Fragment& fragment,
+                          const Box& box, const KdRules& rules) {
+  Fragment part = fragment;
+  Box bounds;
+  if (!clipped_bounds(triangles[fragment.triangle], box.grown(rules.dilation), bounds)) return part;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    part.before[axis] =
+        std::max(part.before[axis], rules.grid.below(bounds.lo[axis] - rules.dilation));
+    part.after[axis] =
+        std::min(part.after[axis], rules.grid.above(bounds.hi[axis] + rules.dilation));
+  }
+  return part;
+}
 
-class Builder {
- public:
-  Builder(std::span<const Corners> triangles, const KdRules& rules)
-      : triangles_(triangles), rules_(rules) {}
-
-  /// Builds the tree of `cell` into `tree()`; the root of it is the first node added. Returns what
-  /// a ray through the cell costs, all nodes and tests counted: where that is no less than the cost
-  /// of a leaf, a leaf takes its place.
-  double build(Cell& cell, int depth, int bad_splits);
-
-  [[nodiscard]] KdTree& tree() { return tree_; }
-
- private:
-  [[nodiscard]] Split best_split(const Cell& cell) const;
-  void sweep(const Cell& cell, std::size_t axis, Split& best) const;
-  void make_leaf(const Cell& cell);
-  void divide(const Cell& cell, const Split& split, Cell& below, Cell& above);
-  void add_clipped(const Fragment& fragment, Cell& child) const;
-  void merge_events(Cell& child, std::size_t first_new);
-  void append(KdTree&& part);
-
-  std::span<const Corners> triangles_;
-  const KdRules& rules_;
-  KdTree tree_;
-  std::deque<std::array<Cell, 2>> levels_;  // children of the cell being divided, by depth; reused
-  std::vector<std::array<std::uint32_t, 2>>
-      renamed_;  // new ids of the fragments of a cell in its children
-  std::vector<Event> fresh_;
-};
-
-void Builder::sweep(const Cell& cell, std::size_t axis, Split& best) const {
+void KdBuilder::sweep(const KdCell& cell, std::size_t axis, Split& best) const {
   const double lo = cell.box.lo[axis];
   const double hi = cell.box.hi[axis];
   const float first = rules_.grid.at_least(lo + rules_.min_cell);
@@ -126,7 +97,7 @@ void Builder::sweep(const Cell& cell, std::size_t axis, Split& best) const {
     if (cost < best.cost) best = {cost, axis, plane};
   };
 
-  const std::vector<Event>& events = cell.events[axis];
+  const std::vector<KdEvent>& events = cell.events[axis];
   const std::uint32_t first_key = ordered(first);
   const std::uint32_t last_key = ordered(last);
   std::size_t below = 0;
@@ -161,13 +132,13 @@ void Builder::sweep(const Cell& cell, std::size_t axis, Split& best) const {
   }
 }
 
-Split Builder::best_split(const Cell& cell) const {
+KdBuilder::Split KdBuilder::best_split(const KdCell& cell) const {
   Split best;
   for (std::size_t axis = 0; axis < 3; ++axis) sweep(cell, axis, best);
   return best;
 }
 
-void Builder::make_leaf(const Cell& cell) {
+void KdBuilder::make_leaf(const KdCell& cell) {
   KdNode leaf;
   leaf.first = static_cast<std::uint32_t>(tree_.references.size());
   leaf.second = static_cast<std::uint32_t>(cell.fragments.size());
@@ -176,22 +147,8 @@ void Builder::make_leaf(const Cell& cell) {
   tree_.nodes.push_back(leaf);
 }
 
-void Builder::add_clipped(const Fragment& fragment, Cell& child) const {
-  Fragment part = fragment;
-  Box bounds;
-  if (clipped_bounds(triangles_[fragment.triangle], child.box.grown(rules_.dilation), bounds)) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      part.before[axis] =
-          std::max(part.before[axis], rules_.grid.below(bounds.lo[axis] - rules_.dilation));
-      part.after[axis] =
-          std::min(part.after[axis], rules_.grid.above(bounds.hi[axis] + rules_.dilation));
-    }
-  }
-  child.fragments.push_back(part);
-}
-
 /// Adds the events of the fragments from `first_new` on to the sorted ones of the others.
-void Builder::merge_events(Cell& child, std::size_t first_new) {
+void KdBuilder::merge_events(KdCell& child, std::size_t first_new) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     fresh_.clear();
     for (std::size_t id = first_new; id < child.fragments.size(); ++id) {
@@ -199,7 +156,7 @@ void Builder::merge_events(Cell& child, std::size_t first_new) {
       fresh_.push_back(end_event(child.fragments[id].after[axis], id));
     }
     std::sort(fresh_.begin(), fresh_.end());
-    std::vector<Event>& events = child.events[axis];
+    std::vector<KdEvent>& events = child.events[axis];
     std::size_t old_left = events.size();
     std::size_t new_left = fresh_.size();
     events.resize(old_left + new_left);
@@ -213,7 +170,7 @@ void Builder::merge_events(Cell& child, std::size_t first_new) {
   }
 }
 
-void Builder::divide(const Cell& cell, const Split& split, Cell& below, Cell& above) {
+void KdBuilder::divide(const KdCell& cell, const Split& split, KdCell& below, KdCell& above) {
   below.clear();
   above.clear();
   below.box = above.box = cell.box;
@@ -235,7 +192,7 @@ void Builder::divide(const Cell& cell, const Split& split, Cell& below, Cell& ab
   for (std::size_t axis = 0; axis < 3; ++axis) {
     below.events[axis].reserve(2 * below.fragments.size());
     above.events[axis].reserve(2 * above.fragments.size());
-    for (const Event event : cell.events[axis]) {
+    for (const KdEvent event : cell.events[axis]) {
       const auto& names = renamed_[event & kIdMask];
       if (names[0] != kNone) below.events[axis].push_back((event & ~kIdMask) | names[0]);
       if (names[1] != kNone) above.events[axis].push_back((event & ~kIdMask) | names[1]);
@@ -246,15 +203,15 @@ void Builder::divide(const Cell& cell, const Split& split, Cell& below, Cell& ab
   for (std::size_t id = 0; id < count; ++id) {
     const Fragment& fragment = cell.fragments[id];
     if (fragment.before[split.axis] < split.plane && split.plane < fragment.after[split.axis]) {
-      add_clipped(fragment, below);
-      add_clipped(fragment, above);
+      below.fragments.push_back(clipped_fragment(triangles_, fragment, below.box, rules_));
+      above.fragments.push_back(clipped_fragment(triangles_, fragment, above.box, rules_));
     }
   }
   merge_events(below, first_below);
   merge_events(above, first_above);
 }
 
-void Builder::append(KdTree&& part) {
+void KdBuilder::append(KdTree&& part) {
   const auto node_base = static_cast<std::uint32_t>(tree_.nodes.size());
   const auto reference_base = static_cast<std::uint32_t>(tree_.references.size());
   for (KdNode node : part.nodes) {
@@ -265,7 +222,7 @@ void Builder::append(KdTree&& part) {
   tree_.references.insert(tree_.references.end(), part.references.begin(), part.references.end());
 }
 
-double Builder::build(Cell& cell, int depth, int bad_splits) {
+double KdBuilder::build(KdCell& cell, int depth, int bad_splits) {
   const std::size_t count = cell.fragments.size();
   const bool too_many = count > kMaxLeafCount;
   const double tests_cost = rules_.test_cost * static_cast<double>(count);
@@ -299,7 +256,7 @@ double Builder::build(Cell& cell, int depth, int bad_splits) {
   double above_cost = 0.0;
   tree_.nodes[node].first = static_cast<std::uint32_t>(tree_.nodes.size());
   if (above.fragments.size() >= kForkSize) {
-    Builder other(triangles_, rules_);
+    KdBuilder other(triangles_, rules_);
     std::exception_ptr failure;  // the lower part's is thrown where both fail, as without tasks
     parallel_both([&] { below_cost = build(below, depth + 1, bad_splits); },
                   [&] {
@@ -327,33 +284,13 @@ double Builder::build(Cell& cell, int depth, int bad_splits) {
   return cost;
 }
 
-}  // namespace
-
 KdTree build_kd_tree(std::span<const Corners> triangles, const KdRules& rules) {
-  Cell root;
+  KdCell root;
   root.box = rules.box;
-  root.fragments.resize(triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    Fragment& fragment = root.fragments[i];
-    fragment.triangle = static_cast<std::uint32_t>(i);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto at = [&](std::size_t corner) {
-        return double{triangles[i][corner][static_cast<int>(axis)]};
-      };
-      const auto [lo, hi] = std::minmax({at(0), at(1), at(2)});
-      fragment.before[axis] = rules.grid.below(lo - rules.dilation);
-      fragment.after[axis] = rules.grid.above(hi + rules.dilation);
-    }
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    root.events[axis].reserve(2 * triangles.size());
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      root.events[axis].push_back(start_event(root.fragments[i].before[axis], i));
-      root.events[axis].push_back(end_event(root.fragments[i].after[axis], i));
-    }
-    std::sort(root.events[axis].begin(), root.events[axis].end());
-  }
-  Builder builder(triangles, rules);
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    root.fragments.push_back(whole_fragment(triangles, static_cast<std::uint32_t>(i), rules));
+  KdBuilder builder(triangles, rules);
+  builder.make_events(root);
   builder.build(root, 0, 0);
   return std::move(builder.tree());
 }

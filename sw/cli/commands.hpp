@@ -23,6 +23,8 @@ struct Arguments {
   std::string cases_file;
   int spp = 1;
   int bounces = 4;
+  std::string frames;  ///< of an animation; empty: a picture
+  double fps = 24.0;   ///< frames a second of a node animation
   std::uint64_t seed = 1;
   int waves = 1;
   bool dump = false;

@@ -98,6 +98,9 @@ int run(int argc, char** argv) {
   render_command->add_option("--effects", arguments.effects,
                              "auto, all, none, then effects with + or -; or one effect");
   render_command->add_option("--bounces", arguments.bounces, "scatterings of a path at most");
+  render_command->add_option("--frames", arguments.frames,
+                             "A:B of an animation, B left out; or one number");
+  render_command->add_option("--fps", arguments.fps, "frames a second of a node animation");
 
   CLI::App* trace_command =
       app.add_subcommand("trace", "trace rays and write hits.npy, prims.npy, report.json");

@@ -20,6 +20,12 @@ class Progress {
   /// The rays that are expected, where they were not known before.
   void expect(std::uint64_t total) { total_ = total; }
 
+  /// Counts of an engine that begins anew go on from here.
+  void begin_at(std::uint64_t rays, std::uint64_t cycles) {
+    rays_before_ = rays;
+    cycles_before_ = cycles;
+  }
+
   /// Ends the line of the bar.
   ~Progress() {
     if (shown_ != begin_ && terminal_) fmt::print(stderr, "\n");
@@ -32,7 +38,7 @@ class Progress {
     if (now - shown_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::seconds(10)))
       return;
     shown_ = now;
-    show(done, cycles);
+    show(rays_before_ + done, cycles_before_ + cycles);
     if (!terminal_) fmt::print(stderr, "\n");
   }
 
@@ -53,6 +59,8 @@ class Progress {
   }
 
   std::uint64_t total_;
+  std::uint64_t rays_before_ = 0;
+  std::uint64_t cycles_before_ = 0;
   bool terminal_;
   Clock::time_point begin_ = Clock::now();
   Clock::time_point shown_ = begin_;

@@ -167,6 +167,17 @@ void print_plan(const Plan& plan) {
   std::fflush(stdout);
 }
 
+void print_frame(const FrameReport& frame) {
+  fmt::print("frame {}: {} triangles moved, {} of {} tiles traced, {} rays", frame.number,
+             frame.moved_triangles, frame.traced_tiles, frame.tiles, frame.rays);
+  if (frame.cycles) fmt::print(", {} cycles", *frame.cycles);
+  if (frame.traced_tiles != 0)
+    fmt::print("; tree: {:.0f} % built anew, {:.2f} s",
+               percent(frame.tree.new_references, frame.tree.references), frame.tree.seconds);
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
 void print_summary(const Report& report, const Session& session) {
   print_rays(report.picture);
   const Wave& total = report.total;

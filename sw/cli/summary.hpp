@@ -11,6 +11,9 @@ void print_tree(const Session& session);
 /// Prints what is simulated of a picture, what is not, and why.
 void print_plan(const Plan& plan);
 
+/// Prints a line of a frame of an animation.
+void print_frame(const FrameReport& frame);
+
 /// Prints what people read of a run.
 void print_summary(const Report& report, const Session& session);
 

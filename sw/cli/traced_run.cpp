@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <set>
 
 #include "base/error.hpp"
 #include "cli/summary.hpp"
@@ -51,20 +52,29 @@ void Files::add_dump(const Arguments& arguments, std::span<const Ray> rays, cons
 void Files::write() const {
   std::vector<std::pair<std::filesystem::path, std::string_view>> files;
   std::string names;
+  std::set<std::string> series;
   for (const auto& [name, bytes] : files_) {
     files.emplace_back(folder_ / name, bytes);
-    names += (names.empty() ? "" : ", ") + name;
+    // Of a series of frames the first stands for all.
+    const std::size_t dash = name.rfind('-');
+    if (dash != std::string::npos &&
+        !series.insert(name.substr(0, dash) + name.substr(name.rfind('.'))).second)
+      continue;
+    names += (names.empty() ? "" : ", ") + name + (dash != std::string::npos ? " and so on" : "");
   }
   write_files(files);
   fmt::print("{}: {}\n", folder_.string(), names);
 }
 
+void show_progress(Arguments& arguments, Progress& progress) {
+  if (!arguments.progress) return;
+  arguments.run.rtl.progress = [&progress](std::uint64_t rays, std::uint64_t cycles) {
+    progress.update(rays, cycles);
+  };
+}
+
 Session start(Arguments& arguments, Progress& progress) {
-  if (arguments.progress) {
-    arguments.run.rtl.progress = [&progress](std::uint64_t rays, std::uint64_t cycles) {
-      progress.update(rays, cycles);
-    };
-  }
+  show_progress(arguments, progress);
   Session session(arguments.run, load(arguments));
   session.require_triangles();
   print_tree(session);

@@ -33,6 +33,9 @@ class Files {
   std::vector<std::pair<std::string, std::string>> files_;
 };
 
+/// Lets the engine of a run show its progress.
+void show_progress(Arguments& arguments, Progress& progress);
+
 /// A session with the progress of the engine on the terminal.
 [[nodiscard]] Session start(Arguments& arguments, Progress& progress);
 

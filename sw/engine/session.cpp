@@ -19,27 +19,35 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-Image build(const Scene& scene, const RunOptions& options, BuildStats& stats) {
-  if (!options.image.empty())
-    return load_image_of(options.image, scene.mesh, options.config, options.scene, stats);
-  BuildOptions build_options;
-  build_options.format = options.config.format;
-  build_options.layout = options.config.layout;
-  build_options.test_cost = options.config.tree_test_cost;
-  build_options.leaf_cost = options.config.tree_leaf_cost;
-  build_options.bad_splits = options.config.tree_bad_splits;
-  try {
-    return build_image(scene.mesh, build_options, stats);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", options.scene.string(), error.what()));
-  }
-}
-
 std::filesystem::path log_file(const RunOptions& options, const char* who) {
   return options.out / fmt::format("ray-{}.{}.log", *options.log_ray, who);
 }
 
 }  // namespace
+
+BuildOptions build_options_of(const Config& config) {
+  BuildOptions options;
+  options.format = config.format;
+  options.layout = config.layout;
+  options.test_cost = config.tree_test_cost;
+  options.leaf_cost = config.tree_leaf_cost;
+  options.bad_splits = config.tree_bad_splits;
+  return options;
+}
+
+SceneImage scene_image_of(const Scene& scene, const RunOptions& options) {
+  BuildStats stats;
+  if (!options.image.empty()) {
+    Image image = load_image_of(options.image, scene.mesh, options.config, options.scene, stats);
+    return {std::move(image), stats};
+  }
+  try {
+    Image image = build_image(scene.mesh, build_options_of(options.config), stats);
+    return {std::move(image), stats};
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", options.scene.string(), error.what()));
+  }
+}
 
 HostTimes& HostTimes::operator+=(const HostTimes& other) {
   engine += other.engine;
@@ -75,11 +83,12 @@ bool Wave::good() const {
          with_status(Status::MemoryError) == 0 && with_status(Status::Watchdog) == 0;
 }
 
-Session::Session(const RunOptions& options, Scene scene)
+Session::Session(const RunOptions& options, Scene scene, SceneImage image)
     : options_(options),
       scene_(std::move(scene)),
+      stats_(image.stats),
       warnings_(scene_.warnings),
-      image_(build(scene_, options_, stats_)),
+      image_(std::move(image.image)),
       model_(Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
                                      .watchdog_steps = options_.config.watchdog_steps,
                                      .interval_cull = options_.config.interval_cull,

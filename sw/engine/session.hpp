@@ -66,11 +66,24 @@ struct Wave {
   [[nodiscard]] bool good() const;
 };
 
+/// How the tree of a run is to be built.
+[[nodiscard]] BuildOptions build_options_of(const Config& config);
+
+/// The memory image of a scene and what is to be said of its tree.
+struct SceneImage {
+  Image image;
+  BuildStats stats;
+};
+/// Builds the tree of the scene, or loads its image. Throws `Error`.
+[[nodiscard]] SceneImage scene_image_of(const Scene& scene, const RunOptions& options);
+
 /// A scene with its tree, its model, its truth and the engine that traces it, each made once.
 class Session {
  public:
-  /// Builds the tree, or loads its image. Throws `Error`, also when the engine cannot be had.
-  Session(const RunOptions& options, Scene scene);
+  /// Throws `Error` when the engine cannot be had.
+  Session(const RunOptions& options, Scene scene, SceneImage image);
+  Session(const RunOptions& options, const Scene& scene)
+      : Session(options, scene, scene_image_of(scene, options)) {}
 
   /// Throws `Error` for a mesh that has triangles of which none is usable.
   void require_triangles() const;

@@ -188,6 +188,8 @@ class Converter {
 
   void add_node(const aiNode& node, const aiMatrix4x4& parent) {
     const aiMatrix4x4 world = parent * node.mTransformation;
+    if (node.mNumMeshes > 0)
+      out_.nodes.push_back({.first_vertex = out_.scene.mesh.vertices.size(), .local = {}});
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       add_mesh(node.mMeshes[i], world);
     }
@@ -215,6 +217,7 @@ class Converter {
     for (unsigned i = 0; i < from.mNumVertices; ++i) {
       const aiVector3D& v = from.mVertices[i];
       mesh.vertices.push_back(to_vec3(identity ? v : world * v));
+      out_.nodes.back().local.push_back(to_vec3(v));
     }
     const auto b = static_cast<std::uint32_t>(base);
     for (const auto& t : triangles) {

@@ -107,30 +107,17 @@ Light light_of(const Json& json, std::size_t number, const std::string& file) {
   return light;
 }
 
-/// Adds the lights of a node and of those below it.
-void add_lights(const Json& json, std::size_t number, const glm::dmat4& parent, int depth,
-                const std::string& file, std::vector<Light>& out) {
+void visit_node(const Json& json, std::size_t number, const Pose& pose, const glm::dmat4& parent,
+                int depth, const std::string& file,
+                const std::function<void(std::size_t, const glm::dmat4&)>& at) {
   constexpr int kDeepest = 1000;
   const Json& node = json.at("nodes").at(number);
   if (depth > kDeepest) throw Error(file + ": its nodes form a circle; export it again");
-  const glm::dmat4 world = parent * transform_of(node);
-  const Json::json_pointer pointer("/extensions/KHR_lights_punctual/light");
-  if (node.contains(pointer)) {
-    const std::size_t at = node[pointer];
-    Light light = light_of(
-        json.at(Json::json_pointer("/extensions/KHR_lights_punctual/lights")).at(at), at, file);
-    light.position = glm::vec3(world[3]);
-    const glm::dvec3 along = -glm::dvec3(world[2]);
-    if (!(glm::length(along) > 0.0))
-      throw Error(
-          fmt::format("{}: light {} (`{}`) has no direction, as its node is scaled to nothing; "
-                      "correct it",
-                      file, at, light.name));
-    light.direction = glm::vec3(glm::normalize(along));
-    out.push_back(std::move(light));
-  }
+  const glm::dmat4 world = parent * pose.at(number);
+  at(number, world);
   if (!node.contains("children")) return;
-  for (const Json& child : node["children"]) add_lights(json, child, world, depth + 1, file, out);
+  for (const Json& child : node["children"])
+    visit_node(json, child, pose, world, depth + 1, file, at);
 }
 
 }  // namespace
@@ -160,12 +147,41 @@ std::vector<GltfValues> gltf_materials(const Json& json, const std::string& file
   return out;
 }
 
-std::vector<Light> gltf_lights(const Json& json, const std::string& file) {
-  std::vector<Light> out;
-  if (!json.contains("scenes")) return out;
+Pose rest_pose(const Json& json) {
+  Pose pose;
+  if (!json.contains("nodes")) return pose;
+  for (const Json& node : json["nodes"]) pose.push_back(transform_of(node));
+  return pose;
+}
+
+void visit_nodes(const Json& json, const Pose& pose, const std::string& file,
+                 const std::function<void(std::size_t, const glm::dmat4&)>& at) {
+  if (!json.contains("scenes")) return;
   const Json& scene = json["scenes"].at(json.value("scene", std::size_t{0}));
-  if (!scene.contains("nodes")) return out;
-  for (const Json& node : scene["nodes"]) add_lights(json, node, glm::dmat4(1.0), 0, file, out);
+  if (!scene.contains("nodes")) return;
+  for (const Json& node : scene["nodes"])
+    visit_node(json, node, pose, glm::dmat4(1.0), 0, file, at);
+}
+
+std::vector<Light> gltf_lights(const Json& json, const Pose& pose, const std::string& file) {
+  std::vector<Light> out;
+  visit_nodes(json, pose, file, [&](std::size_t number, const glm::dmat4& world) {
+    const Json& node = json["nodes"][number];
+    const Json::json_pointer pointer("/extensions/KHR_lights_punctual/light");
+    if (!node.contains(pointer)) return;
+    const std::size_t at = node[pointer];
+    const Json::json_pointer all("/extensions/KHR_lights_punctual/lights");
+    Light light = light_of(json.at(all).at(at), at, file);
+    light.position = glm::vec3(world[3]);
+    const glm::dvec3 along = -glm::dvec3(world[2]);
+    if (!(glm::length(along) > 0.0))
+      throw Error(
+          fmt::format("{}: light {} (`{}`) has no direction, as its node is scaled to nothing; "
+                      "correct it",
+                      file, at, light.name));
+    light.direction = glm::vec3(glm::normalize(along));
+    out.push_back(std::move(light));
+  });
   return out;
 }
 

@@ -3,6 +3,8 @@
 // Materials and lights of a glTF file, from its JSON: Assimp drops some of their extensions.
 #pragma once
 
+#include <functional>
+#include <glm/mat4x4.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -18,8 +20,18 @@ namespace ti {
 [[nodiscard]] std::vector<GltfValues> gltf_materials(const nlohmann::json& json,
                                                      const std::string& file);
 
+/// The transform of each node of a file, in its parent's space.
+using Pose = std::vector<glm::dmat4>;
+[[nodiscard]] Pose rest_pose(const nlohmann::json& json);
+
+/// Calls `at(node, transform)` for the nodes of the default scene, a parent before its children and
+/// these in their order; the transform is to the space of the scene. Throws `Error` for a circle.
+void visit_nodes(const nlohmann::json& json, const Pose& pose, const std::string& file,
+                 const std::function<void(std::size_t node, const glm::dmat4& transform)>& at);
+
 /// The lights of KHR_lights_punctual where the nodes of the default scene put them, in the order of
 /// the nodes. Their candelas are W/sr here, and their lux W/m^2.
-[[nodiscard]] std::vector<Light> gltf_lights(const nlohmann::json& json, const std::string& file);
+[[nodiscard]] std::vector<Light> gltf_lights(const nlohmann::json& json, const Pose& pose,
+                                             const std::string& file);
 
 }  // namespace ti

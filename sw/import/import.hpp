@@ -9,14 +9,23 @@
 #include <string_view>
 #include <vector>
 
+#include "import/gltf_file.hpp"
 #include "import/materials.hpp"
+#include "scene/animation.hpp"
 #include "scene/scene.hpp"
 
 namespace ti {
 
 /// A scene on its way in: what the file had, and marks for what it did not have.
 struct Import {
+  /// A node with meshes, in the order of the file's tree: its vertices stand together.
+  struct Node {
+    std::size_t first_vertex = 0;
+    std::vector<glm::vec3> local;  ///< the vertices in the space of the node
+  };
+
   Scene scene;
+  std::vector<Node> nodes;  ///< of a glTF file
   bool has_camera = false;
   bool has_materials = false;  ///< false: any in `scene` are an importer's placeholders
 };
@@ -73,8 +82,19 @@ struct GltfSummary {
   std::vector<GltfValues> materials;
   std::vector<Light> lights;
 };
-/// Throws when a .glb is cut or an index of a triangle is out of range.
-[[nodiscard]] GltfSummary check_gltf(const std::filesystem::path& path);
+/// Throws when an index of a triangle is out of range.
+[[nodiscard]] GltfSummary check_gltf(GltfFile& gltf);
+
+/// The frames of the node animation of a file, `fps` a second: translation, rotation and scale by
+/// linear, spherical linear, step or cubic spline keys, of meshes, the camera and lights. One frame
+/// when there is none. Frame i is at i / fps seconds; the last is before the last key.
+[[nodiscard]] Animation gltf_animation(GltfFile& gltf, Import& import, double fps);
+
+/// The frames of a sequence of vertex positions that the file beside the scene names
+/// (`frames_file`: float32 [frames][vertices][3], little-endian, may be .zst; `times_s`). Nothing
+/// when it names none.
+[[nodiscard]] std::optional<Animation> read_sequence(const std::filesystem::path& json,
+                                                     const Scene& scene);
 
 /// Reads through Assimp: from `bytes` when they are given (a PLY), else from `path`.
 [[nodiscard]] Import import_assimp(const std::filesystem::path& path, std::string_view bytes = {});

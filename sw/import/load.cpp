@@ -100,7 +100,8 @@ const GltfValues* values_of(const Material& material, const std::vector<GltfValu
 }
 
 Import import_gltf(const fs::path& path) {
-  const GltfSummary summary = check_gltf(path);
+  GltfFile gltf(path);
+  const GltfSummary summary = check_gltf(gltf);
   if (!summary.has_triangles) return {};
   Import import = import_assimp(path);
   import.has_materials = !summary.materials.empty();
@@ -203,9 +204,8 @@ void check_lights(std::vector<Light>& lights, const std::string& file) {
   }
 }
 
-}  // namespace
-
-Scene load_scene(const fs::path& path) {
+/// A scene with all that is beside it, checked.
+Import import_scene(const fs::path& path) {
   const std::string file = path.string();
   std::error_code ec;
   if (fs::is_directory(path, ec)) {
@@ -226,7 +226,45 @@ Scene load_scene(const fs::path& path) {
   check_lights(scene.lights, file);
   if (!import.has_camera) scene.camera = default_camera(scene.mesh);
   check_camera(scene.camera, file);
-  return std::move(import.scene);
+  return import;
+}
+
+}  // namespace
+
+Scene load_scene(const fs::path& path) { return import_scene(path).scene; }
+
+AnimatedScene load_animated_scene(const fs::path& path, double fps) {
+  Import import = import_scene(path);
+  AnimatedScene out;
+  std::error_code ec;
+  const fs::path json = sidecar_of(path);
+  std::optional<Animation> sequence;
+  if (fs::exists(json, ec)) sequence = read_sequence(json, import.scene);
+  if (sequence) {
+    out.animation = std::move(*sequence);
+  } else if (form_of(path) == Form::Gltf) {
+    GltfFile gltf(path);
+    try {
+      out.animation = gltf_animation(gltf, import, fps);
+    } catch (const nlohmann::json::exception& e) {
+      throw Error(
+          fmt::format("{}: its animation lacks something or has a wrong type ({}); export "
+                      "it again",
+                      path.string(), e.what()));
+    }
+  } else {
+    out.animation.frames.push_back({.seconds = 0.0,
+                                    .positions = {},
+                                    .camera = import.scene.camera,
+                                    .lights = import.scene.lights});
+  }
+  out.scene = std::move(import.scene);
+  for (Animation::Frame& frame : out.animation.frames) {
+    check_camera(frame.camera, path.string());
+    check_lights(frame.lights, path.string());
+  }
+  out.animation.pose(out.scene, 0);
+  return out;
 }
 
 }  // namespace ti

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<std::string_view, kEffects> kNames{
     "shadows", "soft-shadows", "interreflection", "glossy", "mirror",
-    "glass",   "lens",         "roulette",        "ao"};
+    "glass",   "lens",         "roulette",        "ao",     "motion"};
 
 std::optional<std::size_t> find(std::string_view name) {
   for (std::size_t i = 0; i < kEffects; ++i)

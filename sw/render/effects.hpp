@@ -20,8 +20,9 @@ enum class Effect : std::size_t {
   Lens,              ///< depth of field
   Roulette,          ///< dim paths end at random, and those that go on count for more
   AmbientOcclusion,  ///< an integrator of its own
+  Motion,            ///< what differs from frame to frame
 };
-constexpr std::size_t kEffects = 9;
+constexpr std::size_t kEffects = 10;
 
 using EffectSet = std::bitset<kEffects>;
 

@@ -39,6 +39,11 @@ void Film::add(std::uint32_t pixel, const glm::dvec3& radiance) {
   ++samples_[pixel];
 }
 
+void Film::clear(std::uint32_t pixel) {
+  sums_.at(pixel) = glm::dvec3(0.0);
+  samples_[pixel] = 0;
+}
+
 std::vector<glm::vec3> Film::radiance() const {
   std::vector<glm::vec3> out(sums_.size(), glm::vec3(0.0F));
   for (std::size_t i = 0; i < out.size(); ++i)

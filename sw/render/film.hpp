@@ -20,6 +20,9 @@ class Film {
   /// number.
   void add(std::uint32_t pixel, const glm::dvec3& radiance);
 
+  /// Forgets the samples of a pixel.
+  void clear(std::uint32_t pixel);
+
   /// The mean of each pixel's samples, [height][width]; black where there is none.
   [[nodiscard]] std::vector<glm::vec3> radiance() const;
 

@@ -92,9 +92,9 @@ PathTracer::PathTracer(const Scene& scene, const PathOptions& options, Trace tra
   leaves_ = options.everything || of_rays.any();
 }
 
-void PathTracer::render(Film& film) {
-  const std::vector<std::uint32_t> order = morton_order(options_.width, options_.height);
-  const std::span pixels(order);
+void PathTracer::render(Film& film) { render(film, morton_order(options_.width, options_.height)); }
+
+void PathTracer::render(Film& film, std::span<const std::uint32_t> pixels) {
   for (int s = 0; s < options_.spp; ++s) {
     for (std::size_t at = 0; at < pixels.size() && !stopped_; at += kBatch) {
       const std::size_t count = std::min(kBatch, pixels.size() - at);

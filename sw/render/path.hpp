@@ -55,8 +55,10 @@ class PathTracer {
 
   PathTracer(const Scene& scene, const PathOptions& options, Trace trace);
 
-  /// Adds all samples to the film, or fewer when the engine stops. A scene without any light is lit
-  /// from the eye.
+  /// Adds all samples of `pixels`, y * width + x, to the film, or fewer when the engine stops. A
+  /// scene without any light is lit from the eye.
+  void render(Film& film, std::span<const std::uint32_t> pixels);
+  /// The same of all pixels.
   void render(Film& film);
 
   [[nodiscard]] const RayCounts& rays() const { return rays_; }

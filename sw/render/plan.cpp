@@ -107,6 +107,24 @@ Decision lens(const Scene& scene) {
   return d;
 }
 
+Decision moves(const FilmSize& film, const Motion& motion) {
+  Decision d{.effect = Effect::Motion, .reason = "one frame"};
+  d.bound = "exact but for rounding at what moved";
+  if (film.frames > 1) {
+    d.on = motion.triangles != 0 || motion.camera || motion.lights;
+    d.reason = fmt::format("{} frames, and ", film.frames);
+    if (!d.on)
+      d.reason += "nothing moves";
+    else if (motion.camera)
+      d.reason += "the camera moves";
+    else if (motion.triangles != 0)
+      d.reason += fmt::format("{} triangles move", motion.triangles);
+    else
+      d.reason += "a light moves";
+  }
+  return d;
+}
+
 }  // namespace
 
 std::uint64_t Plan::rays() const {
@@ -115,12 +133,13 @@ std::uint64_t Plan::rays() const {
   return sum;
 }
 
-Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& request) {
+Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& request,
+               const Motion& motion) {
   const Facts facts(scene);
   Plan plan;
   plan.everything = request.base == EffectRequest::Base::All;
   plan.primary = static_cast<std::uint64_t>(film.width) * static_cast<std::uint64_t>(film.height) *
-                 static_cast<std::uint64_t>(film.spp);
+                 static_cast<std::uint64_t>(film.spp) * static_cast<std::uint64_t>(film.frames);
   plan.decisions = {shadows(facts), soft_shadows(facts)};
   const auto add = [&](Lobe which, Effect effect, const char* what) {
     plan.decisions.push_back(lobe(scene, facts, film, which, effect, what));
@@ -136,6 +155,7 @@ Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& re
   plan.decisions.push_back({.effect = Effect::AmbientOcclusion,
                             .reason = "a picture of its own, on by name alone",
                             .bound = "no part of other pictures"});
+  plan.decisions.push_back(moves(film, motion));
   for (Decision& d : plan.decisions) {
     const auto i = static_cast<std::size_t>(d.effect);
     const bool by_name = d.effect == Effect::Roulette || d.effect == Effect::AmbientOcclusion;
@@ -183,6 +203,7 @@ Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& re
         break;
       case Effect::Lens:
       case Effect::Roulette:
+      case Effect::Motion:
         break;
     }
   }

@@ -16,6 +16,14 @@ struct FilmSize {
   int height = 256;
   int spp = 1;
   int bounces = 4;
+  int frames = 1;
+};
+
+/// What of a scene moves in some of the frames.
+struct Motion {
+  std::size_t triangles = 0;
+  bool camera = false;
+  bool lights = false;
 };
 
 /// Whether an effect is simulated, and why.
@@ -27,11 +35,11 @@ struct Decision {
   std::string bound{};     ///< what leaving it out, or having it in, does to the picture
 };
 
-/// What a scene calls for: a pure function of scene, film and request.
+/// What a scene calls for: a pure function of scene, film, request and motion.
 struct Plan {
   EffectSet effects;
-  bool everything = false;  ///< rays are traced whatever they can add
-  std::uint64_t primary = 0;
+  bool everything = false;          ///< rays are traced whatever they can add
+  std::uint64_t primary = 0;        ///< of all frames, at most
   std::vector<Decision> decisions;  ///< in the order of `Effect`
 
   [[nodiscard]] bool has(Effect effect) const {
@@ -42,7 +50,7 @@ struct Plan {
 };
 
 /// Decides by what the scene has, then by what the request adds and removes.
-[[nodiscard]] Plan make_plan(const Scene& scene, const FilmSize& film,
-                             const EffectRequest& request);
+[[nodiscard]] Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& request,
+                             const Motion& motion = {});
 
 }  // namespace ti

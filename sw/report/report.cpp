@@ -47,6 +47,7 @@ ordered_json provenance_json(const Report& report, const Session& session) {
       {"spp", if_known(request.size.has_value(), request.spp)},
       {"effects", if_known(request.size.has_value(), request.effects)},
       {"bounces", if_known(request.size.has_value(), request.bounces)},
+      {"frames", if_known(!request.frames.empty(), request.frames)},
       {"layout", options.config.layout == Layout::kOdfl ? "odfl" : "dfl"},
       {"image_given", !options.image.empty()},
       {"waves", report.waves.size()}};
@@ -206,6 +207,29 @@ ordered_json plan_json(const Picture& picture) {
   return json;
 }
 
+/// The frames of an animation; null for anything else.
+ordered_json frames_json(const Report& report) {
+  if (report.frames.empty()) return nullptr;
+  ordered_json json = ordered_json::array();
+  for (const FrameReport& f : report.frames) {
+    json.push_back({{"number", f.number},
+                    {"seconds", f.seconds},
+                    {"moved_triangles", f.moved_triangles},
+                    {"tiles", f.tiles},
+                    {"traced_tiles", f.traced_tiles},
+                    {"rays", f.rays},
+                    {"cycles", if_known(f.cycles.has_value(), f.cycles.value_or(0))},
+                    {"tree",
+                     {{"nodes", f.tree.nodes},
+                      {"references", f.tree.references},
+                      {"new_cells", f.tree.new_cells},
+                      {"new_references", f.tree.new_references},
+                      {"sah_cost", f.tree.sah_cost}}},
+                    {"time", {{"tree", f.tree.seconds}, {"frame", f.host_seconds}}}});
+  }
+  return json;
+}
+
 ordered_json rays_json(const Picture& picture) {
   if (!picture.plan) return nullptr;
   ordered_json json;
@@ -270,6 +294,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["spread"] = {{"steps", options.engine == EngineKind::Embree ? ordered_json(nullptr)
                                                                    : spread_json(std::move(steps))},
                     {"tests", spread_json(total.tests)}};
+  json["frames"] = frames_json(report);
   json["waves"] = waves_json(report, options.config.clock_mhz);
   json["check"] = check_json(total);
   const double cycles = counts.machine ? static_cast<double>(counts.machine->cycles) : 0.0;

@@ -22,6 +22,7 @@ struct Request {
   int spp = 1;
   std::string effects{};  ///< of render
   int bounces = 0;        ///< of render: scatterings of a path at most
+  std::string frames{};   ///< of render: the frames of an animation
   std::uint64_t seed = 1;
 };
 
@@ -33,6 +34,19 @@ struct Picture {
   double shading = 0.0;  ///< seconds of the host that rays and their light took
 };
 
+/// A frame of an animation.
+struct FrameReport {
+  int number = 0;
+  double seconds = 0.0;  ///< when it is
+  std::size_t moved_triangles = 0;
+  std::size_t tiles = 0;  ///< of 8x8 pixels
+  std::size_t traced_tiles = 0;
+  std::uint64_t rays = 0;
+  std::optional<std::uint64_t> cycles;
+  BuildStats tree{};  ///< as it was before, where nothing was traced
+  double host_seconds = 0.0;
+};
+
 /// What a run did: everything that `report.json` holds, in raw counts, so that waves add up.
 ///
 /// The JSON form is `report.schema.json` beside this file, version `kVersion`. Two runs of one
@@ -42,8 +56,9 @@ struct Report {
 
   Request request;
   Picture picture{};
-  Wave total;                 ///< hits, tests and truth of all rays
-  std::vector<Counts> waves;  ///< of each wave, in order
+  Wave total;                         ///< hits, tests and truth of all rays
+  std::vector<Counts> waves;          ///< of each wave, in order
+  std::vector<FrameReport> frames{};  ///< of an animation
 
   /// Adds a wave.
   void add(Wave wave);

@@ -5,6 +5,7 @@
 #include <cfenv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -18,12 +19,15 @@
 
 namespace ti {
 
-struct EmbreeScene::Impl {
+namespace {
+
+/// What Embree gives out, given back at the end.
+struct Handles {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
-  std::vector<std::int32_t> prims;
 
-  ~Impl() {
+  Handles() = default;
+  ~Handles() {
     if (scene != nullptr) {
       rtcReleaseScene(scene);
     }
@@ -31,9 +35,9 @@ struct EmbreeScene::Impl {
       rtcReleaseDevice(device);
     }
   }
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
 };
-
-namespace {
 
 void check(RTCDevice device) {
   if (const RTCError code = rtcGetDeviceError(device); code != RTC_ERROR_NONE) {
@@ -55,6 +59,22 @@ class KeepFloatingPoint {
  private:
   std::fenv_t environment_{};
 };
+
+RTCRayHit query_of(const Ray& ray) {
+  RTCRayHit query{};
+  query.ray.org_x = ray.o.x;
+  query.ray.org_y = ray.o.y;
+  query.ray.org_z = ray.o.z;
+  query.ray.tnear = std::max(ray.tmin, 0.0F);
+  query.ray.dir_x = ray.d.x;
+  query.ray.dir_y = ray.d.y;
+  query.ray.dir_z = ray.d.z;
+  query.ray.tfar = ray.tmax;
+  query.ray.mask = ~0U;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.primID = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
 
 void intersect(RTCScene scene, RTCRayHit& query) {
 #if RTC_VERSION_MAJOR >= 4
@@ -82,6 +102,10 @@ void occluded(RTCScene scene, RTCRay& ray) {
 }
 
 }  // namespace
+
+struct EmbreeScene::Impl : Handles {
+  std::vector<std::int32_t> prims;
+};
 
 EmbreeScene::EmbreeScene(std::span<const glm::vec3> vertices,
                          std::span<const std::array<std::uint32_t, 3>> triangles,
@@ -140,22 +164,10 @@ bool EmbreeScene::takes(const Ray& ray) {
 
 Hit EmbreeScene::trace(const Ray& ray) const {
   Hit hit;
-  const float tnear = std::max(ray.tmin, 0.0F);
-  if (tnear > ray.tmax) {
+  RTCRayHit query = query_of(ray);
+  if (query.ray.tnear > query.ray.tfar) {
     return hit;
   }
-  RTCRayHit query{};
-  query.ray.org_x = ray.o.x;
-  query.ray.org_y = ray.o.y;
-  query.ray.org_z = ray.o.z;
-  query.ray.tnear = tnear;
-  query.ray.dir_x = ray.d.x;
-  query.ray.dir_y = ray.d.y;
-  query.ray.dir_z = ray.d.z;
-  query.ray.tfar = ray.tmax;
-  query.ray.mask = ~0U;
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.primID = RTC_INVALID_GEOMETRY_ID;
   if (ray.any) {
     occluded(impl_->scene, query.ray);
     if (query.ray.tfar < 0.0F) {
@@ -172,6 +184,86 @@ Hit EmbreeScene::trace(const Ray& ray) const {
     hit.prim = impl_->prims[query.hit.primID];
   }
   return hit;
+}
+
+struct EmbreeBoxes::Impl : Handles {
+  std::vector<Box> boxes;
+};
+
+namespace {
+
+/// Float32 bounds around a box, with room for what the hierarchy rounds.
+void bounds_of_box(const RTCBoundsFunctionArguments* arguments) {
+  const auto& boxes = *static_cast<const std::vector<Box>*>(arguments->geometryUserPtr);
+  const Box& box = boxes[arguments->primID];
+  const auto down = [](double x) { return static_cast<float>(x - 1e-6 * std::abs(x)); };
+  const auto up = [](double x) { return static_cast<float>(x + 1e-6 * std::abs(x)); };
+  RTCBounds& out = *arguments->bounds_o;
+  out.lower_x = down(box.lo[0]);
+  out.lower_y = down(box.lo[1]);
+  out.lower_z = down(box.lo[2]);
+  out.upper_x = up(box.hi[0]);
+  out.upper_y = up(box.hi[1]);
+  out.upper_z = up(box.hi[2]);
+}
+
+/// Slabs (Kay and Kajiya 1986).
+bool meets(const Box& box, const RTCRay& ray) {
+  const double o[] = {ray.org_x, ray.org_y, ray.org_z};
+  const double d[] = {ray.dir_x, ray.dir_y, ray.dir_z};
+  double near = ray.tnear;
+  double far = ray.tfar;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (d[axis] == 0.0) {
+      if (o[axis] < box.lo[axis] || o[axis] > box.hi[axis]) return false;
+      continue;
+    }
+    const double a = (box.lo[axis] - o[axis]) / d[axis];
+    const double b = (box.hi[axis] - o[axis]) / d[axis];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  return near <= far;
+}
+
+void occluded_by_box(const RTCOccludedFunctionNArguments* arguments) {
+  if (arguments->valid[0] == 0) return;
+  const auto& boxes = *static_cast<const std::vector<Box>*>(arguments->geometryUserPtr);
+  RTCRay& ray = *reinterpret_cast<RTCRay*>(arguments->ray);  // of one: N is 1
+  if (meets(boxes[arguments->primID], ray)) ray.tfar = -std::numeric_limits<float>::infinity();
+}
+
+}  // namespace
+
+EmbreeBoxes::EmbreeBoxes(std::vector<Box> boxes) : impl_(std::make_unique<Impl>()) {
+  impl_->boxes = std::move(boxes);
+  const KeepFloatingPoint keep;
+  RTCDevice& device = impl_->device;
+  RTCScene& scene = impl_->scene;
+  device = rtcNewDevice(nullptr);
+  check(device);
+  scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(impl_->boxes.size()));
+  rtcSetGeometryUserData(geometry, &impl_->boxes);
+  rtcSetGeometryBoundsFunction(geometry, bounds_of_box, nullptr);
+  rtcSetGeometryOccludedFunction(geometry, occluded_by_box);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  check(device);
+}
+
+EmbreeBoxes::~EmbreeBoxes() = default;
+
+bool EmbreeBoxes::met_by(const Ray& ray) const {
+  if (!EmbreeScene::takes(ray)) return true;
+  RTCRay query = query_of(ray).ray;
+  if (query.tnear > query.tfar) return false;
+  occluded(impl_->scene, query);
+  return query.tfar < 0.0F;
 }
 
 }  // namespace ti

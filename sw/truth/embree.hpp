@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/vec.hpp"
 #include "scene/ray.hpp"
 
 namespace ti {
@@ -35,6 +36,24 @@ class EmbreeScene {
 
   /// Closest hit, or for an any-hit ray whether something is hit; `takes(ray)` must hold.
   [[nodiscard]] Hit trace(const Ray& ray) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Boxes in Embree's hierarchy. Which of them a ray meets is decided here, in double, the same on
+/// every processor.
+class EmbreeBoxes {
+ public:
+  explicit EmbreeBoxes(std::vector<Box> boxes);
+  ~EmbreeBoxes();
+  EmbreeBoxes(const EmbreeBoxes&) = delete;
+  EmbreeBoxes& operator=(const EmbreeBoxes&) = delete;
+
+  /// Whether some point of the ray between tmin and tmax lies in a box; true for a ray that Embree
+  /// does not take.
+  [[nodiscard]] bool met_by(const Ray& ray) const;
 
  private:
   struct Impl;
