@@ -175,11 +175,13 @@ void Renderer::trace_tiles(const std::vector<std::uint8_t>& wanted) {
                      .format = arguments_.run.config.format,
                      .effects = plan().effects,
                      .everything = plan().everything,
+                     .ends_dim_paths = plan().ends_dim_paths,
                      .radius = radius_},
                     [this](std::span<const Ray> rays, std::span<const std::uint32_t> places) {
                       return tracing_->trace(*session_, rays, places);
                     });
   tracer.render(film_, pixels);
+  report_.picture.dim_paths = tracer.dim_paths();
   for (std::size_t k = 0; k < kRayKinds; ++k) report_.picture.rays[k] += tracer.rays()[k];
 }
 

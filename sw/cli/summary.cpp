@@ -87,6 +87,9 @@ void print_rays(const Picture& picture) {
                          name_of(static_cast<RayKind>(i)));
   }
   fmt::print("rays: {}\n", kinds);
+  if (picture.dim_paths.paths != 0)
+    fmt::print("{} paths ended, as they could not add a step of the output\n",
+               picture.dim_paths.paths);
 }
 
 /// A line a wave, so that one sees the caches get warm.

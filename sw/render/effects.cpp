@@ -12,8 +12,8 @@ namespace ti {
 namespace {
 
 constexpr std::array<std::string_view, kEffects> kNames{
-    "shadows", "soft-shadows", "interreflection", "glossy", "mirror",
-    "glass",   "lens",         "roulette",        "ao",     "motion"};
+    "shadows",  "soft-shadows", "interreflection", "glossy",   "mirror", "glass", "lens",
+    "roulette", "ao",           "motion",          "dim-paths"};
 
 std::optional<std::size_t> find(std::string_view name) {
   for (std::size_t i = 0; i < kEffects; ++i)

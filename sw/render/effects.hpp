@@ -21,8 +21,9 @@ enum class Effect : std::size_t {
   Roulette,          ///< dim paths end at random, and those that go on count for more
   AmbientOcclusion,  ///< an integrator of its own
   Motion,            ///< what differs from frame to frame
+  DimPaths,          ///< paths that cannot add a step of the output any more
 };
-constexpr std::size_t kEffects = 10;
+constexpr std::size_t kEffects = 11;
 
 using EffectSet = std::bitset<kEffects>;
 

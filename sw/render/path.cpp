@@ -19,6 +19,9 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kBatch = std::size_t{1} << 18;  ///< paths under way at once
 constexpr std::size_t kPiece = 1024;
+/// Of a step of the output: a sample may end a path of each lobe at its first hit, and one more
+/// behind each, so that all of them are less than half a step.
+constexpr double kDimShare = 16.0;
 
 /// What belongs to each lobe, in their order.
 constexpr std::array<Effect, kLobes> kEffectOf{Effect::Interreflection, Effect::Glossy,
@@ -68,6 +71,8 @@ struct PathTracer::Shaded {
   glm::dvec3 emitted{0.0};
   std::vector<ShadowRay> shadows;
   std::vector<Path> next;
+  std::uint32_t ended = 0;  ///< paths that could not add a step of the output,
+  double lacking = 0.0;     ///< and the most that they could
 };
 
 /// A hit as shading sees it.
@@ -85,22 +90,34 @@ PathTracer::PathTracer(const Scene& scene, const PathOptions& options, Trace tra
       options_(options),
       trace_(std::move(trace)),
       lights_(scene),
+      bound_(scene, options.ends_dim_paths ? options.bounces : 0),
       headlight_(is_unlit(scene)) {
   EffectSet of_rays = options.effects;
-  for (const Effect effect : {Effect::Lens, Effect::Roulette})
+  for (const Effect effect : {Effect::Lens, Effect::Roulette, Effect::Motion, Effect::DimPaths})
     of_rays.reset(static_cast<std::size_t>(effect));
   leaves_ = options.everything || of_rays.any();
+  if (options.ends_dim_paths)
+    lacking_.resize(static_cast<std::size_t>(options.width) *
+                    static_cast<std::size_t>(options.height));
 }
 
 void PathTracer::render(Film& film) { render(film, morton_order(options_.width, options_.height)); }
 
 void PathTracer::render(Film& film, std::span<const std::uint32_t> pixels) {
   for (int s = 0; s < options_.spp; ++s) {
+    if (s == 1 && options_.ends_dim_paths)
+      least_ = kOutputStep / kDimShare / exposure_of(film.radiance());
     for (std::size_t at = 0; at < pixels.size() && !stopped_; at += kBatch) {
       const std::size_t count = std::min(kBatch, pixels.size() - at);
       trace_batch(pixels.subspan(at, count), static_cast<std::uint32_t>(s), film);
     }
   }
+}
+
+DimPaths PathTracer::dim_paths() const {
+  DimPaths out{.paths = ended_};
+  for (const double lacking : lacking_) out.bound = std::max(out.bound, lacking / options_.spp);
+  return out;
 }
 
 std::vector<PathTracer::Path> PathTracer::begin(std::span<const std::uint32_t> pixels,
@@ -173,6 +190,9 @@ void PathTracer::trace_batch(std::span<const std::uint32_t> pixels, std::uint32_
         ++at;
       }
       next.insert(next.end(), shaded[i].next.begin(), shaded[i].next.end());
+      if (shaded[i].ended == 0) continue;
+      ended_ += shaded[i].ended;
+      lacking_[paths[i].pixel] += shaded[i].lacking;
     }
     paths = std::move(next);
   }
@@ -332,6 +352,16 @@ void PathTracer::add_scattered(Shaded& out, const Path& path, const Vertex& vert
                                              : Path::Emission::All;
     }
     if (!options_.everything && !counts(next, lobe, bounce)) continue;
+    if (least_ > 0.0) {
+      const glm::dvec3& t = next.throughput;
+      const double most =
+          std::max({t.x, t.y, t.z}) * bound_.arriving(options_.bounces - bounce - 1);
+      if (most < least_) {
+        ++out.ended;
+        out.lacking += most;
+        continue;
+      }
+    }
     if (asked(Effect::Roulette) && bounce > 0) {
       const double stays =
           std::min(1.0, std::max({next.throughput.x, next.throughput.y, next.throughput.z}));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/format.hpp"
+#include "render/bound.hpp"
 #include "render/effects.hpp"
 #include "render/film.hpp"
 #include "render/lights.hpp"
@@ -33,11 +34,20 @@ struct PathOptions {
   EffectSet effects{};
   /// Trace every ray that an effect could want, whatever it can add.
   bool everything = false;
+  /// From the second sample on a path ends where all that it can add, exposed as the film is after
+  /// the first, is less than a sixteenth of a step of the output.
+  bool ends_dim_paths = false;
   float radius = 1.0F;  ///< how far ambient occlusion looks
 };
 
 /// Rays of each kind, by `RayKind`.
 using RayCounts = std::array<std::uint64_t, kRayKinds>;
+
+/// Paths that ended as they could not add a step of the output any more.
+struct DimPaths {
+  std::uint64_t paths = 0;
+  double bound = 0.0;  ///< the most that a pixel can lack by it in the mean, in radiance
+};
 
 /// Path tracing in waves of rays (Laine, Karras, Aila, Megakernels Considered Harmful, HPG 2013),
 /// on any engine.
@@ -62,6 +72,7 @@ class PathTracer {
   void render(Film& film);
 
   [[nodiscard]] const RayCounts& rays() const { return rays_; }
+  [[nodiscard]] DimPaths dim_paths() const;
   [[nodiscard]] bool stopped() const { return stopped_; }
 
  private:
@@ -91,6 +102,10 @@ class PathTracer {
   PathOptions options_;
   Trace trace_;
   Lights lights_;
+  LightBound bound_;
+  double least_ = 0.0;  ///< radiance below which a path ends
+  std::uint64_t ended_ = 0;
+  std::vector<double> lacking_{};  ///< of each pixel, summed over its samples
   bool headlight_;
   bool leaves_;  ///< whether any ray starts at a hit
   RayCounts rays_{};

@@ -125,6 +125,24 @@ Decision moves(const FilmSize& film, const Motion& motion) {
   return d;
 }
 
+Decision dim_paths(const FilmSize& film, const Facts& facts) {
+  Decision d{.effect = Effect::DimPaths, .on = true};
+  d.bound = "exact";
+  if (film.bounces < 1 || facts.unlit) {
+    d.on = false;
+    d.reason = "no path goes on";
+  } else if (film.frames > 1) {
+    d.reason = "the exposure of all frames is not known before";
+  } else if (film.spp < 2) {
+    d.reason = "the exposure is not known before the first sample";
+  } else {
+    d.on = false;
+    d.reason = "from the second sample on a path ends where all it can add is under 1/16 of a step";
+    d.bound = "in the mean under half a step of 8 bits, while the first sample's exposure holds";
+  }
+  return d;
+}
+
 }  // namespace
 
 std::uint64_t Plan::rays() const {
@@ -156,6 +174,7 @@ Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& re
                             .reason = "a picture of its own, on by name alone",
                             .bound = "no part of other pictures"});
   plan.decisions.push_back(moves(film, motion));
+  plan.decisions.push_back(dim_paths(film, facts));
   for (Decision& d : plan.decisions) {
     const auto i = static_cast<std::size_t>(d.effect);
     const bool by_name = d.effect == Effect::Roulette || d.effect == Effect::AmbientOcclusion;
@@ -163,7 +182,7 @@ Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& re
       d.on = true;
       d.reason = "all are asked for; " + d.reason;
     }
-    if (request.base == EffectRequest::Base::None && d.on) {
+    if (request.base == EffectRequest::Base::None && d.on && d.effect != Effect::DimPaths) {
       d.on = false;
       d.reason = "none is asked for; " + d.reason;
     }
@@ -174,6 +193,9 @@ Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& re
     }
     plan.effects.set(i, d.on);
   }
+
+  plan.ends_dim_paths = !plan.has(Effect::DimPaths) && !plan.everything && film.spp > 1 &&
+                        film.frames == 1 && film.bounces > 0 && !facts.unlit;
 
   // Hits at which a path may scatter: the first, and those of one path a lobe behind it.
   std::uint64_t lobes = 0;
@@ -204,6 +226,7 @@ Plan make_plan(const Scene& scene, const FilmSize& film, const EffectRequest& re
       case Effect::Lens:
       case Effect::Roulette:
       case Effect::Motion:
+      case Effect::DimPaths:
         break;
     }
   }

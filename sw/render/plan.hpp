@@ -39,6 +39,7 @@ struct Decision {
 struct Plan {
   EffectSet effects;
   bool everything = false;          ///< rays are traced whatever they can add
+  bool ends_dim_paths = false;      ///< `PathOptions::ends_dim_paths`
   std::uint64_t primary = 0;        ///< of all frames, at most
   std::vector<Decision> decisions;  ///< in the order of `Effect`
 

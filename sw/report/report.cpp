@@ -230,6 +230,13 @@ ordered_json frames_json(const Report& report) {
   return json;
 }
 
+/// Paths that ended early, and what a pixel can lack by it in steps of the output.
+ordered_json dim_paths_json(const Picture& picture) {
+  if (!picture.plan) return nullptr;
+  const double steps = picture.dim_paths.bound * picture.exposure / kOutputStep;
+  return {{"paths", picture.dim_paths.paths}, {"bound_steps", steps}};
+}
+
 ordered_json rays_json(const Picture& picture) {
   if (!picture.plan) return nullptr;
   ordered_json json;
@@ -286,6 +293,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["rays"] = total.hits.size();
   json["plan"] = plan_json(report.picture);
   json["rays_of"] = rays_json(report.picture);
+  json["dim_paths"] = dim_paths_json(report.picture);
   json["exposure"] = if_known(report.picture.plan.has_value(), report.picture.exposure);
   json["hits"] = std::count_if(total.hits.begin(), total.hits.end(),
                                [](const Hit& hit) { return hit.is_hit(); });

@@ -31,6 +31,7 @@ struct Picture {
   std::optional<Plan> plan;
   RayCounts rays{};  ///< traced, of each kind
   double exposure = 1.0;
+  DimPaths dim_paths{};
   double shading = 0.0;  ///< seconds of the host that rays and their light took
 };
 

@@ -45,6 +45,7 @@ inline void add_box(Scene& scene, const glm::vec3& lo, const glm::vec3& hi,
 struct Picture {
   std::vector<glm::vec3> radiance;
   RayCounts rays{};
+  DimPaths dim_paths{};
   Plan plan;
 
   [[nodiscard]] std::uint64_t count(RayKind kind) const {
@@ -69,7 +70,8 @@ inline Picture picture_of(const Scene& scene, const FilmSize& size, const std::s
                      .spp = size.spp,
                      .bounces = size.bounces,
                      .effects = out.plan.effects,
-                     .everything = out.plan.everything},
+                     .everything = out.plan.everything,
+                     .ends_dim_paths = out.plan.ends_dim_paths},
                     [&](std::span<const Ray> rays, std::span<const std::uint32_t>) {
                       std::vector<Hit> hits;
                       for (const HitBits& bits : run_model(*model, rays).hits)
@@ -80,6 +82,7 @@ inline Picture picture_of(const Scene& scene, const FilmSize& size, const std::s
   tracer.render(film);
   out.radiance = film.radiance();
   out.rays = tracer.rays();
+  out.dim_paths = tracer.dim_paths();
   return out;
 }
 

@@ -50,6 +50,38 @@ TEST_CASE("plan: soft shadows, where a triangle emits") {
   CHECK(!plan_of(scene).has(Effect::SoftShadows));
 }
 
+TEST_CASE("plan: motion, where there is more than one frame and something moves in them") {
+  const Scene scene = scene_of({.name = "body"});
+  const auto with = [&scene](int frames, const Motion& motion, const char* effects = "auto") {
+    return make_plan(scene, {.width = 10, .height = 10, .frames = frames},
+                     EffectRequest::of(effects), motion);
+  };
+  CHECK(with(2, {.triangles = 7}).has(Effect::Motion));
+  CHECK(decision(with(2, {.triangles = 7}), Effect::Motion).reason.find("7 triangles") !=
+        std::string::npos);
+  CHECK(with(2, {.camera = true}).has(Effect::Motion));
+  CHECK(with(2, {.lights = true}).has(Effect::Motion));
+  CHECK(!with(2, {}).has(Effect::Motion));
+  CHECK(!with(1, {.triangles = 7}).has(Effect::Motion));
+  CHECK(!with(2, {.triangles = 7}, "auto-motion").has(Effect::Motion));
+  CHECK(with(2, {.triangles = 7}).primary == 2 * with(1, {}).primary);
+}
+
+TEST_CASE("plan: dim paths end, where there is a second sample and light that scatters") {
+  Scene scene = scene_of({.name = "body"});
+  const auto ends = [&scene](const FilmSize& film, const char* effects = "auto") {
+    return make_plan(scene, film, EffectRequest::of(effects)).ends_dim_paths;
+  };
+  CHECK(ends({.spp = 2}));
+  CHECK(!ends({.spp = 1}));
+  CHECK(!ends({.spp = 2, .bounces = 0}));
+  CHECK(!ends({.spp = 2, .frames = 2}));
+  CHECK(!ends({.spp = 2}, "all"));
+  CHECK(!ends({.spp = 2}, "auto+dim-paths"));
+  scene.lights.clear();  // lit from the eye
+  CHECK(!ends({.spp = 2}));
+}
+
 TEST_CASE("plan: rays of a lobe, where a triangle has it") {
   struct Case {
     Effect effect;

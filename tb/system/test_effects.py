@@ -9,7 +9,7 @@ from agents.program import SCENES, make
 
 CORNELL = SCENES / "cornell.gltf"
 EFFECTS = ["shadows", "soft-shadows", "interreflection", "glossy", "mirror", "glass", "lens"]
-EFFECTS += ["roulette", "ao"]
+EFFECTS += ["roulette", "ao", "motion", "dim-paths"]
 
 
 def radiance(run):
@@ -55,7 +55,7 @@ def still_life(tmp_path):
 def test_what_is_left_out_changes_no_bit(ti, knot, still_life, tmp_path, scene):
     path = {"cornell": CORNELL, "knot": knot, "still life": still_life}
     path = path.get(scene, SCENES / "one_triangle.obj")
-    some = picture(ti, tmp_path / "auto", path)
+    some = picture(ti, tmp_path / "auto", path, "--effects", "auto+dim-paths")
     all_of_it = picture(ti, tmp_path / "all", path, "--effects", "all")
 
     assert some.read("radiance.npy") == all_of_it.read("radiance.npy")
