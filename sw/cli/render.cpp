@@ -129,6 +129,7 @@ class Renderer {
   std::optional<Tracing> tracing_;
   std::unique_ptr<Session> session_;
   float radius_ = 1.0F;
+  double opening_ = 0.0;  ///< seconds that the first session took
   std::vector<std::vector<glm::vec3>> radiance_;  ///< of each frame
 };
 
@@ -218,7 +219,7 @@ void Renderer::render_frame(int frame) {
   out.rays = report_.total.hits.size() - rays;
   if (report_.total.counts.machine) out.cycles = cycles() - cycles_before;
   radiance_.push_back(film_.radiance());
-  out.host_seconds = seconds_since(begin);
+  out.host_seconds = seconds_since(begin) + std::exchange(opening_, 0.0);
   report_.frames.push_back(out);
   print_frame(out);
 }
@@ -248,7 +249,9 @@ void Renderer::add_pictures(Files& files) {
 
 int Renderer::run() {
   show_progress(arguments_, progress_);
+  const auto opens = Clock::now();
   open_session(true);
+  opening_ = seconds_since(opens);
   session_->require_triangles();
   print_tree(*session_);
   print_plan(plan());
