@@ -70,8 +70,11 @@ engine = $(word 2,$(folders))
 ti := build/sw/ti
 library = $(if $(filter rtl,$(1)),engine)
 rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)
+# Scenes that are made when they are asked for: made NAMES are their files.
 knot := build/scenes/knot.ply
-needs = check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(filter $(knot),$(SCENE:knot=$(knot)))
+gallery_names := cornell_glass pavilion still_life windmill
+made = $(filter $(knot) $(gallery_names:%=build/scenes/%.gltf),$(foreach s,$(1),$(if $(filter knot,$(s)),$(knot),$(if $(filter $(gallery_names),$(s)),build/scenes/$(s).gltf,$(s)))))
+needs = check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(call made,$(value SCENE))
 scene = "$$(scripts/scene.sh file $(call q,SCENE))"
 # What a run is called: cornell-small, cornell-small-num_trv-2-model.
 scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
@@ -102,18 +105,26 @@ trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or rando
 	@$(ti) trace --rays $(call q,RAYS) $(common_args) \
 	  --out $(call out,build/trace/$(run_name)-"$$(scripts/scene.sh rays $(call q,RAYS))")
 
-bench: check-mem engine sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=ideal|fixed|dram N= SIZE= OUT=)
+bench: check-mem engine sw $(call made,$(bench_scenes)) ## Mrays/s of scenes and kinds of rays, into bench.json (SCENES="..." RAYS="primary ao diffuse" CONFIG= CORES= MEM=ideal|fixed|dram N= SIZE= OUT=)
 	@python scripts/bench.py --config $(config)/config.json --library $(engine)/libti_rtl.so \
 	  $(bench_options) --out $(call out,build/bench/$(notdir $(config)))
 bench compare: bench_options = $(memory) --scene $(foreach s,$(bench_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')") \
   $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--count,N) \
   $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE))
 
-compare: need-VARIANTS check-mem build/setup.stamp sw $(filter $(knot),$(bench_scenes:knot=$(knot))) ## A bench for each variant, side by side (VARIANTS="layout=dfl; stack_depth=0 trv_slots=8" and the words of bench)
+compare: need-VARIANTS check-mem build/setup.stamp sw $(call made,$(bench_scenes)) ## A bench for each variant, side by side (VARIANTS="layout=dfl; stack_depth=0 trv_slots=8" and the words of bench)
 	@python scripts/compare.py --config $(call q,CONFIG) $(call opt,--set,SET) $(call opt,--cores,CORES) \
 	  --variants $(call q,VARIANTS) $(bench_options) --out $(call out,build/compare/$(notdir $(config)))
 
-image: config build/sw/ti $(filter $(knot),$(SCENE:knot=$(knot))) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
+gallery: check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(call made,$(gallery_scenes)) ## Pictures of scenes with plan, rays, cycles and time on one page (SCENES="..." SIZE= SPP= and other words of render)
+	@python scripts/gallery.py $(foreach w,$(gallery_words),$(if $(value $(w)),$(w)=$(call q,$(w)))) \
+	  --out $(call out,build/gallery/$(notdir $(config))) --scene $(foreach s,$(gallery_scenes),'$(subst ','\'',$(s))')
+gallery: SIZE := $(if $(filter file,$(origin SIZE)),320x240,$(value SIZE))
+gallery: SPP := $(if $(filter file,$(origin SPP)),4,$(value SPP))
+gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_life windmill)
+gallery_words := CONFIG SET CORES ENGINE MEM MEM_LATENCY MEM_BANDWIDTH SIZE SPP EFFECTS BOUNCES SEED
+
+image: config build/sw/ti $(call made,$(value SCENE)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)
 
 hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
@@ -231,10 +242,10 @@ build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-pack
     $(if $(filter-out $(shell sed -n 2p build/setup.stamp 2>/dev/null),$(CURDIR)),FORCE)
 	@scripts/setup.sh --if-needed
 
-# The large scene of the project.
-$(knot): scripts/make_scenes.py | build/setup.stamp
-	@python scripts/make_scenes.py --big $(@D)
+# The scenes of the project that are too large for git.
+$(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py scripts/gallery_scenes.py scripts/gltf.py scripts/shapes.py | build/setup.stamp
+	@python scripts/make_scenes.py --large $(basename $(@F)) --to $(@D)
 
 FORCE:
-.PHONY: FORCE render trace bench image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render trace bench compare gallery image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
   format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

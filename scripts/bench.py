@@ -204,11 +204,11 @@ def heading(arguments: argparse.Namespace, commit: str) -> dict:
     }
 
 
-def write(path: Path, content: dict) -> None:
+def write_text(path: Path, text: str) -> None:
     """The old file or the whole new one, whoever looks and whatever happens."""
     partial = path.with_suffix(f".{os.getpid()}.part")
     try:
-        partial.write_text(json.dumps(content, indent=1) + "\n")
+        partial.write_text(text)
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
@@ -260,7 +260,7 @@ def run(words: list[str]) -> int:
     for scene, kind in wanted[len(cells) :]:
         cells.append(measure(ti, scene, kind, arguments))
         print(line(cells[-1]), flush=True)
-        write(file, head | {"cells": cells})
+        write_text(file, json.dumps(head | {"cells": cells}, indent=1) + "\n")
     print(f"{file}: {len(cells)} cells")
     return 0 if all(cell["good"] for cell in cells) else 1
 

@@ -100,6 +100,7 @@ def measure(arguments: argparse.Namespace, options: list[str], variant: str) -> 
     """The cells of a variant, and whether all of their hits are right."""
     machine, overrides = machine_of(arguments, variant)
     make = ["make", "-s", "engine", f"CONFIG={arguments.config}", f"SET={' '.join(overrides)}"]
+    make.append("CORES=")  # it is in the overrides, and a `make` above hands its own down
     if bench_words(options).mem == "dram":
         make.append("MEM=dram")
     without = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}

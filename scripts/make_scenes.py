@@ -2,18 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Make the project's own scenes.
 
-Without arguments the small ones are written to `scenes/`, where they are kept in git; `--big DIR`
-writes the large one to DIR. The same bytes come out on every
-machine: computed coordinates are rounded to multiples of 2^-16.
+Without arguments the small ones are written to `scenes/`, where they are kept in git;
+`--large NAME` writes one of the others to `build/scenes` or `--to DIR`. The same bytes come out on
+every machine: computed coordinates are rounded to multiples of 2^-16.
 """
 
 import argparse
-import base64
 import json
 import os
 from pathlib import Path
 
+import gallery_scenes
 import numpy as np
+from gltf import Gltf, material
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -62,92 +63,25 @@ CORNELL = [  # name, material, quads
 ]
 
 
-def gltf_material(name, colour, emissive=None, strength=1.0):
-    """A matte glTF material; `emissive` is the colour of its light, `strength` its factor."""
-    material = {
-        "name": name,
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [*colour, 1.0],
-            "metallicFactor": 0.0,
-            "roughnessFactor": 1.0,
-        },
-        "doubleSided": True,
-    }
-    if emissive:
-        material["emissiveFactor"] = emissive
-        material["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
-    return material
-
-
 def cornell_gltf():
     """The Cornell box as a glTF 2.0 object, in metres, with an embedded buffer."""
-    data = b""
-    views, accessors, meshes, nodes = [], [], [], []
-
-    def add(array, target, **fields):
-        nonlocal data
-        data += b"\0" * (-len(data) % 4)
-        raw = array.tobytes()
-        views.append(
-            {"buffer": 0, "byteOffset": len(data), "byteLength": len(raw), "target": target}
-        )
-        accessors.append({"bufferView": len(views) - 1, "count": len(array), **fields})
-        data += raw
-        return len(accessors) - 1
-
-    for name, material, quads in CORNELL:
+    scene = Gltf(
+        "cornell",
+        [
+            material("white", [0.73, 0.71, 0.68]),
+            material("red", [0.57, 0.043, 0.044]),
+            material("green", [0.105, 0.378, 0.076]),
+            material("light", [0.78, 0.78, 0.78], emissive=[1.0, 0.86, 0.66], strength=18.0),
+        ],
+    )
+    for name, number, quads in CORNELL:
         points = (np.array(quads, dtype=np.float64).reshape(-1, 3) / 1000).astype("<f4")
         corners = np.array([0, 1, 2, 0, 2, 3])
-        indices = np.concatenate([4 * i + corners for i in range(len(quads))]).astype("<u2")
-        position = add(
-            points,
-            34962,
-            componentType=5126,
-            type="VEC3",
-            min=points.min(axis=0).tolist(),
-            max=points.max(axis=0).tolist(),
-        )
-        index = add(indices, 34963, componentType=5123, type="SCALAR")
-        primitive = {"attributes": {"POSITION": position}, "indices": index, "material": material}
-        meshes.append({"name": name, "primitives": [primitive]})
-        nodes.append({"name": name, "mesh": len(meshes) - 1})
+        indices = np.concatenate([4 * i + corners for i in range(len(quads))])
+        scene.mesh(name, (points, indices), number)
     # Position (278, 273, -800), looking along +z; focal length 0.035, film 0.025.
-    nodes.append(
-        {
-            "name": "camera",
-            "camera": 0,
-            "translation": [0.278, 0.273, -0.8],
-            "rotation": [0, 1, 0, 0],
-        }
-    )
-    return {
-        "asset": {"version": "2.0", "generator": "scripts/make_scenes.py"},
-        "extensionsUsed": ["KHR_materials_emissive_strength"],
-        "scene": 0,
-        "scenes": [{"name": "cornell", "nodes": list(range(len(nodes)))}],
-        "nodes": nodes,
-        "cameras": [
-            {
-                "type": "perspective",
-                "perspective": {"yfov": 0.686686, "aspectRatio": 1.0, "znear": 0.01},
-            }
-        ],
-        "materials": [
-            gltf_material("white", [0.73, 0.71, 0.68]),
-            gltf_material("red", [0.57, 0.043, 0.044]),
-            gltf_material("green", [0.105, 0.378, 0.076]),
-            gltf_material("light", [0.78, 0.78, 0.78], emissive=[1.0, 0.86, 0.66], strength=18.0),
-        ],
-        "meshes": meshes,
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [
-            {
-                "byteLength": len(data),
-                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
-            }
-        ],
-    }
+    scene.camera(0.686686, translation=[0.278, 0.273, -0.8], rotation=[0, 1, 0, 0])
+    return scene.json()
 
 
 # --- PLY ----------------------------------------------------------------------------------------
@@ -286,11 +220,16 @@ def make_small(folder):
     write_json(folder / "empty.json", {"camera": camera}, indent=1)
 
 
-def make_big(folder):
-    """Write the large mesh, `knot.ply` and `knot.json`."""
-    folder.mkdir(parents=True, exist_ok=True)
+def whole(path, data):
+    """Write a file whole or not at all."""
+    partial = path.with_suffix(f".{os.getpid()}.part")
+    partial.write_bytes(data)
+    partial.replace(path)
+
+
+def make_knot(folder):
+    """Write `knot.ply` and `knot.json`; the mesh last, as the Makefile takes it for the scene."""
     vertices, triangles, materials = knot_scene()
-    data = ply_bytes(vertices, triangles, materials)
     write_json(
         folder / "knot.json",
         {
@@ -308,18 +247,39 @@ def make_big(folder):
         },
         indent=1,
     )
-    # Whole or not at all, and last: the Makefile takes it for the scene.
-    partial = folder / f"knot.{os.getpid()}"
-    partial.write_bytes(data)
-    partial.replace(folder / "knot.ply")
+    whole(folder / "knot.ply", ply_bytes(vertices, triangles, materials))
+
+
+GALLERY = {
+    "cornell_glass": lambda: gallery_scenes.cornell_glass(
+        [part for part in CORNELL if "block" not in part[0] and part[0] != "light"], LIGHT
+    ),
+    "pavilion": gallery_scenes.pavilion,
+    "still_life": gallery_scenes.still_life,
+    "windmill": gallery_scenes.windmill,
+}
+
+
+def make_large(name, folder):
+    """Write a scene that is too large for git."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if name == "knot":
+        make_knot(folder)
+        return
+    scene, beside = GALLERY[name]()
+    if beside:
+        write_json(folder / f"{name}.json", beside, indent=1)
+    whole(folder / f"{name}.gltf", json.dumps(scene, separators=(",", ":")).encode() + b"\n")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--big", type=Path, metavar="DIR", help="write only the large mesh, to DIR")
+    names = ["knot", *GALLERY]
+    parser.add_argument("--large", choices=names, help="write only this one, into --to")
+    parser.add_argument("--to", type=Path, default=ROOT / "build/scenes", help="folder for it")
     args = parser.parse_args()
-    if args.big:
-        make_big(args.big)
+    if args.large:
+        make_large(args.large, args.to)
     else:
         make_small(ROOT / "scenes")
 

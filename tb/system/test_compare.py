@@ -59,6 +59,13 @@ def test_a_variant_whose_hits_differ_in_a_bit_is_named(tiny, out):
     assert "| `layout=dfl` | 1 of 2 |" in (out / "compare.md").read_text()
 
 
+def test_a_variant_may_have_other_cores(tiny, out):
+    make("compare", out, CORES=1, VARIANTS="cores=2", **WORDS).good()
+
+    rows = rows_of(out)
+    assert int(rows["cores=2", "diffuse"]["cycles"]) < int(rows["", "diffuse"]["cycles"])
+
+
 def test_figures_are_those_of_the_bench(tiny, tmp_path):
     one, both = tmp_path / "one", tmp_path / "both"
     make("bench", one, SET="layout=dfl", **WORDS).good()
