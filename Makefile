@@ -137,6 +137,24 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 	@build/fp/$(fp)/fp_rtl --testfloat $(call q,FILE) --op $(call q,OP)
 testfloat: fp = $(subst $(comma),-,$(FORMAT))
 
+##@ Pictures beside others
+effects-table: check-engine config $(ti) $(call library,$(ENGINE)) $(call made,$(effects_scenes)) ## EFFECTS=auto beside all: rays, cycles, seconds, the same bits (SCENES="..." SIZE= SPP= BOUNCES= CONFIG= ENGINE=rtl|model OUT=)
+	@python scripts/effects_table.py --config $(config)/config.json $(if $(filter rtl,$(ENGINE)),--library $(engine)/libti_rtl.so) \
+	  $(if $(filter file,$(origin SIZE)),,--size $(call q,SIZE)) --spp $(call q,SPP) --bounces $(call q,BOUNCES) \
+	  --out $(call out,build/effects/$(notdir $(config))) --scene $(foreach s,$(effects_scenes),'$(subst ','\'',$(s))')
+effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
+  bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
+
+second-opinion: config $(ti) build/setup.stamp ## Three scenes beside Mitsuba 3, converged (OUT=)
+	@scripts/setup.sh --checks
+	@build/checks/bin/python scripts/second_opinion.py --config $(config)/config.json --out $(call out,build/second-opinion)
+
+convergence: config $(ti) $(call made,$(convergence_scenes)) ## Noise by samples a pixel, and each effect alone beside Embree (SCENES="..." OUT=)
+	@scripts/setup.sh --checks
+	@build/checks/bin/python scripts/convergence.py --config $(config)/config.json --out $(call out,build/convergence) \
+	  --scene $(foreach s,$(convergence_scenes),'$(subst ','\'',$(s))')
+convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
+
 ##@ Build
 engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)
 	@[[ ! -d build/dram/dramsim3 ]] || scripts/build_dram.sh $(MAKE) libti_dram.a
@@ -197,7 +215,7 @@ clean: ## Remove what builds and runs wrote; the set-up stays (ALL=1: that too)
 
 help: ## Show this list
 	@awk 'BEGIN {FS = ":.*## "} /^##@ / {printf "\n%s\n", substr($$0, 5)} \
-	  /^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	  /^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' Makefile
 	@printf '\nCONFIG= is a name in configs/ or a file; SET="num_trv=2 trv_slots=16" changes keys of it.\n'
 
 need-%:
@@ -248,4 +266,4 @@ $(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py scripts/g
 
 FORCE:
 .PHONY: FORCE render trace bench compare gallery image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
-  format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized
+  effects-table second-opinion convergence format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

