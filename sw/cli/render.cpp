@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
+#include "cli/machine.hpp"
 #include "cli/summary.hpp"
 #include "cli/traced_run.hpp"
 #include "io/exr.hpp"
@@ -125,7 +126,9 @@ int render(Arguments& arguments) {
                 .waves = {}};
   report.picture.plan = make_plan(scene, film_size, request);
   const Plan& plan = *report.picture.plan;
+  if (!arguments.keys.empty()) return write_keys(arguments, session, plan);
   print_plan(plan);
+  report.picture.machine = machine_plan_of(arguments, session, plan);
   progress.expect(plan.rays());
 
   const std::size_t pixels =

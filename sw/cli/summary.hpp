@@ -11,6 +11,9 @@ void print_tree(const Session& session);
 /// Prints what is simulated of a picture, what is not, and why.
 void print_plan(const Plan& plan);
 
+/// Prints what a picture calls for on the ground of `base`; `built` is the machine that traces.
+void print_machine_plan(const MachinePlan& plan, const Config& base, const Config& built);
+
 /// Prints what people read of a run.
 void print_summary(const Report& report, const Session& session);
 

@@ -67,7 +67,7 @@ Session start(Arguments& arguments, Progress& progress) {
   }
   Session session(arguments.run, load(arguments));
   session.require_triangles();
-  print_tree(session);
+  if (arguments.keys.empty()) print_tree(session);
   return session;
 }
 

@@ -206,6 +206,20 @@ ordered_json plan_json(const Picture& picture) {
   return json;
 }
 
+ordered_json machine_plan_json(const Picture& picture) {
+  if (!picture.machine) return nullptr;
+  ordered_json json = ordered_json::array();
+  for (const MachineDecision& d : picture.machine->decisions) {
+    json.push_back({{"what", d.what},
+                    {"on", d.on},
+                    {"set", d.set},
+                    {"reason", d.reason},
+                    {"bound", d.bound},
+                    {"cycles", d.cycles}});
+  }
+  return json;
+}
+
 ordered_json rays_json(const Picture& picture) {
   if (!picture.plan) return nullptr;
   ordered_json json;
@@ -261,6 +275,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["image_bytes"] = session.image().bytes().size();
   json["rays"] = total.hits.size();
   json["plan"] = plan_json(report.picture);
+  json["machine_plan"] = machine_plan_json(report.picture);
   json["rays_of"] = rays_json(report.picture);
   json["exposure"] = if_known(report.picture.plan.has_value(), report.picture.exposure);
   json["hits"] = std::count_if(total.hits.begin(), total.hits.end(),
