@@ -3,6 +3,7 @@
 # The only door to the project.  `make` alone prints what there is.
 
 CONFIG ?= small
+BASE ?= small
 SET ?=
 SCENE ?= cornell
 SIZE ?= 256x256
@@ -82,6 +83,13 @@ run_name = $(scene_name)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
 common_args = --config $(config)/config.json --engine $(ENGINE) --scene $(scene) \
   $(call rtl,$(ENGINE)) $(call opt,--waves,RAY_WAVES) $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
   $(memory)
+picture_args = --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) --bounces $(call q,BOUNCES) \
+  $(call opt,--frames,FRAMES) $(call opt,--fps,FPS)
+# CONFIG=auto: BASE= with the keys that the picture calls for, then those of SET=.
+auto := $(filter auto,$(value CONFIG))
+render_auto = $(MAKE) machine CONFIG=$(call q,BASE) KEYS=build/auto/$$$$ && { read -r keys; read -r base; } <build/auto/$$$$ && \
+  rm build/auto/$$$$ && $(MAKE) render CONFIG=$(call q,BASE) SET="$$keys "$(call q,SET) PLANNED_ON="$$base" \
+  OUT=$(call out,build/render/"$$(scripts/scene.sh name $(scene))-auto-$$(basename "$$(dirname "$$base")")"$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE)))
 # The memory behind the ports: its kind, or latency,bytes of a fixed one, which also have variables of their own.
 mem_pair := $(findstring $(comma),$(value MEM))
 mem_latency := $(if $(mem_pair),$(word 1,$(subst $(comma), ,$(value MEM))),$(value MEM_LATENCY))
@@ -96,10 +104,9 @@ case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
 ##@ Trace
-render: $(needs) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS=auto|all|none|auto-mirror BOUNCES= FRAMES=0:16 CONFIG= CORES= ENGINE= MEM=ideal|fixed|dram OUT= DUMP=1)
-	@$(ti) render --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) --bounces $(call q,BOUNCES) \
-	  $(call opt,--frames,FRAMES) $(call opt,--fps,FPS) $(common_args) \
-	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name))
+render: $(if $(auto),check-engine check-mem,$(needs)) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS=auto|all|none|auto-mirror BOUNCES= FRAMES=0:16 CONFIG=auto|small CORES= ENGINE= MEM=ideal|fixed|dram OUT= DUMP=1)
+	@$(if $(auto),$(render_auto),$(ti) render $(picture_args) $(common_args) $(call opt,--base,PLANNED_ON) \
+	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name)))
 
 trace: need-RAYS $(needs) ## Hits of rays, yours or made (RAYS=file.npy or random:1000, primary:, ao:, ... RAY_WAVES=10 LOG_RAY=17 SCENE= CONFIG= ENGINE= MEM= OUT=)
 	@$(ti) trace --rays $(call q,RAYS) $(common_args) \
@@ -136,6 +143,9 @@ testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley
 	  env CXX=$(cxx) scripts/build_fp_rtl.sh $(subst $(comma), ,$(FORMAT)) build/fp/$(fp)
 	@build/fp/$(fp)/fp_rtl --testfloat $(call q,FILE) --op $(call q,OP)
 testfloat: fp = $(subst $(comma),-,$(FORMAT))
+
+machine: need-KEYS config $(ti) $(call made,$(value SCENE))
+	@mkdir -p $(dir $(KEYS)) && $(ti) machine $(picture_args) $(common_args) --out $(KEYS) && echo $(config)/config.json >>$(KEYS)
 
 ##@ Pictures beside others
 effects-table: check-engine config $(ti) $(call library,$(ENGINE)) $(call made,$(effects_scenes)) ## EFFECTS=auto beside all: rays, cycles, seconds, the same bits (SCENES="..." SIZE= SPP= BOUNCES= CONFIG= ENGINE=rtl|model OUT=)
@@ -265,5 +275,5 @@ $(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py scripts/g
 	@python scripts/make_scenes.py --large $(basename $(@F)) --to $(@D)
 
 FORCE:
-.PHONY: FORCE render trace bench compare gallery image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
   effects-table second-opinion convergence format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

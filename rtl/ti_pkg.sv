@@ -13,13 +13,15 @@ package ti_pkg;
   ) : 1;
   localparam int unsigned TrvSlotWidth = $clog2(ti_config_pkg::TrvSlots);
 
+  localparam int unsigned StepsWidth = $clog2(ti_config_pkg::WatchdogSteps + 1);
+
   typedef logic [TrvIndexWidth-1:0] trv_index_t;
   typedef logic [TrvSlotWidth-1:0] trv_slot_t;
   typedef logic [28:0] node_index_t;
   typedef logic [28:0] record_t;
   typedef logic [31:0] list_index_t;
   typedef logic [15:0] tri_count_t;
-  typedef logic [15:0] steps_t;
+  typedef logic [StepsWidth-1:0] steps_t;
   typedef logic [31:0] prim_t;
 
   localparam prim_t NoPrim = '1;

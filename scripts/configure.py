@@ -106,6 +106,11 @@ def find(name_or_path: str) -> Path:
     """The YAML file of a configuration's name, or the path itself."""
     names = {p.stem: p for p in sorted(CONFIGS.glob("*.yaml")) if p != SCHEMA}
     path = names.get(name_or_path, Path(name_or_path))
+    if name_or_path == "auto" and not path.is_file():
+        raise ConfigError(
+            "auto: the machine that a picture calls for, which `make render` alone chooses; "
+            f"name one of {', '.join(names)}, or give the path of a .yaml file"
+        )
     if not path.is_file():
         raise ConfigError(
             f"{name_or_path}: no such configuration; there are {', '.join(names)}, "

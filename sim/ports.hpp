@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <iterator>
 
@@ -15,6 +16,7 @@
 namespace ti::sim {
 
 inline constexpr int kFpWidth = 1 + config::kExpBits + config::kFracBits;
+inline constexpr int kStepsWidth = std::bit_width(unsigned{config::kWatchdogSteps});
 inline constexpr Format kFormat{config::kExpBits, config::kFracBits};
 
 /// Bit `index` of a port that has one bit a core or a stream.
@@ -93,7 +95,7 @@ struct HitBeat {
 [[nodiscard]] inline HitBeat get_hit(const Vti_engine& top, int stream) {
   Unpacker fields(top.hit_data_o[stream].m_storage);
   HitBeat beat{};
-  beat.hit.steps = static_cast<std::uint16_t>(fields.get(16));
+  beat.hit.steps = static_cast<std::uint16_t>(fields.get(kStepsWidth));
   beat.hit.v = static_cast<std::uint32_t>(fields.get(kFpWidth));
   beat.hit.u = static_cast<std::uint32_t>(fields.get(kFpWidth));
   beat.hit.t = static_cast<std::uint32_t>(fields.get(kFpWidth));

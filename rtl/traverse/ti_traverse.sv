@@ -63,7 +63,8 @@ module ti_traverse #(
   ti_rd #(
     .NumTrv   (NumTrv),
     .DealTile (ti_config_pkg::DealTile),
-    .RayCycles(ti_config_pkg::RdCycles)
+    .RayCycles(ti_config_pkg::RdCycles),
+    .AnyHit   (ti_config_pkg::AnyHit)
   ) u_rd (
     .clk_i,
     .rst_ni,
@@ -94,6 +95,8 @@ module ti_traverse #(
       .NumSlots     (ti_config_pkg::TrvSlots),
       .StackDepth   (ti_config_pkg::StackDepth),
       .WatchdogSteps(ti_config_pkg::WatchdogSteps),
+      .AnyHit       (ti_config_pkg::AnyHit),
+      .Restart      (ti_config_pkg::Restart),
       .Rows         (ti_config_pkg::TrvRows),
       .CacheBytes   (ti_config_pkg::TrvL1Bytes),
       .Ways         (ti_config_pkg::TrvL1Ways)

@@ -3,6 +3,7 @@
 // The commands of `ti`; each gives its exit status and throws `Error` for bad input.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "engine/session.hpp"
@@ -21,6 +22,8 @@ struct Arguments {
   std::string effects = "auto";
   std::string rays;
   std::string cases_file;
+  std::string base_file;       ///< configuration that a machine was planned on; empty: none was
+  std::filesystem::path keys;  ///< of machine: file for them; empty: render
   int spp = 1;
   int bounces = 4;
   std::string frames;  ///< of an animation; empty: a picture
@@ -35,6 +38,8 @@ int render(Arguments& arguments);
 int trace(Arguments& arguments);
 int image(Arguments& arguments);
 int hardcases(const Arguments& arguments);
+/// The keys that a picture calls for, as `SET=` has them, in the file `arguments.run.out`.
+int machine(Arguments& arguments);
 
 /// From now on the first SIGINT stops the run of `arguments`; the second ends the program at once.
 void stop_at_interrupt(Arguments& arguments);

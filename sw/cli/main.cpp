@@ -85,6 +85,17 @@ void add_run(CLI::App& command, Arguments& arguments) {
                    "write rays, hits, and each ray's steps and tests too");
 }
 
+void add_picture(CLI::App& command, Arguments& arguments) {
+  command.add_option("--size", arguments.size, "WIDTHxHEIGHT");
+  command.add_option("--spp", arguments.spp, "rays a pixel");
+  command.add_option("--effects", arguments.effects,
+                     "auto, all, none, then effects with + or -; or one effect");
+  command.add_option("--bounces", arguments.bounces, "scatterings of a path at most");
+  command.add_option("--frames", arguments.frames,
+                     "A:B of an animation, B left out; or one number");
+  command.add_option("--fps", arguments.fps, "frames a second of a node animation");
+}
+
 int run(int argc, char** argv) {
   Arguments arguments;
   CLI::App app{"Traversal and intersection engine: render, trace, image, hard cases"};
@@ -93,14 +104,14 @@ int run(int argc, char** argv) {
   CLI::App* render_command =
       app.add_subcommand("render", "trace a picture and write a PNG and a report");
   add_run(*render_command, arguments);
-  render_command->add_option("--size", arguments.size, "WIDTHxHEIGHT");
-  render_command->add_option("--spp", arguments.spp, "rays a pixel");
-  render_command->add_option("--effects", arguments.effects,
-                             "auto, all, none, then effects with + or -; or one effect");
-  render_command->add_option("--bounces", arguments.bounces, "scatterings of a path at most");
-  render_command->add_option("--frames", arguments.frames,
-                             "A:B of an animation, B left out; or one number");
-  render_command->add_option("--fps", arguments.fps, "frames a second of a node animation");
+  add_picture(*render_command, arguments);
+  render_command->add_option("--base", arguments.base_file,
+                             "config.json of the configuration that the machine was planned on");
+
+  CLI::App* machine_command =
+      app.add_subcommand("machine", "write the keys of the machine that a picture calls for");
+  add_run(*machine_command, arguments);
+  add_picture(*machine_command, arguments);
 
   CLI::App* trace_command =
       app.add_subcommand("trace", "trace rays and write hits.npy, prims.npy, report.json");
@@ -130,6 +141,7 @@ int run(int argc, char** argv) {
   }
   arguments.run.config = ti::load_config(arguments.config_file);
   ti::stop_at_interrupt(arguments);
+  if (machine_command->parsed()) return ti::machine(arguments);
   if (render_command->parsed()) return ti::render(arguments);
   if (trace_command->parsed()) return ti::trace(arguments);
   if (image_command->parsed()) return ti::image(arguments);

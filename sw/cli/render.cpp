@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/limits.hpp"
 #include "cli/frames.hpp"
+#include "cli/machine.hpp"
 #include "cli/picture.hpp"
 #include "cli/summary.hpp"
 #include "io/apng.hpp"
@@ -43,6 +44,10 @@ void check(const Arguments& arguments, const Size& size) {
   if (arguments.frames.empty()) return;
   if (arguments.run.log_ray)
     throw Error("LOG_RAY= is of a picture alone; leave FRAMES= out, or give one frame's rays");
+  if (!arguments.base_file.empty() || !arguments.keys.empty())
+    throw Error(
+        "CONFIG=auto is of a picture alone, as each frame has a tree of its own; name a "
+        "configuration for FRAMES=");
   if (!arguments.run.image.empty())
     throw Error("IMAGE= is of a picture alone, as FRAMES= has a tree for each frame");
 }
@@ -129,7 +134,7 @@ class Renderer {
   std::optional<Tracing> tracing_;
   std::unique_ptr<Session> session_;
   float radius_ = 1.0F;
-  double opening_ = 0.0;  ///< seconds that the first session took
+  double opening_ = 0.0;                          ///< seconds that the first session took
   std::vector<std::vector<glm::vec3>> radiance_;  ///< of each frame
 };
 
@@ -253,8 +258,10 @@ int Renderer::run() {
   open_session(true);
   opening_ = seconds_since(opens);
   session_->require_triangles();
+  if (!arguments_.keys.empty()) return write_keys(arguments_, *session_, plan());
   print_tree(*session_);
   print_plan(plan());
+  report_.picture.machine = machine_plan_of(arguments_, *session_, plan());
   progress_.expect(plan().rays());
   const auto begin = Clock::now();
   for (int frame = range_.first; frame < range_.end && !report_.total.stopped; ++frame)

@@ -181,6 +181,17 @@ void print_frame(const FrameReport& frame) {
   std::fflush(stdout);
 }
 
+void print_machine_plan(const MachinePlan& plan, const Config& base, const Config& built) {
+  const std::string set = plan.set();
+  fmt::print("machine: {} with {}\n", base.name, set.empty() ? "nothing changed" : set);
+  for (const MachineDecision& d : plan.decisions) {
+    fmt::print("  {:16} {:3}  {:28}  {}; {}\n", d.what, d.on ? "on" : "off", d.set, d.reason,
+               d.bound);
+  }
+  fmt::print("  what is built: {}\n", built.name);
+  std::fflush(stdout);
+}
+
 void print_summary(const Report& report, const Session& session) {
   print_rays(report.picture);
   const Wave& total = report.total;

@@ -14,6 +14,9 @@ void print_plan(const Plan& plan);
 /// Prints a line of a frame of an animation.
 void print_frame(const FrameReport& frame);
 
+/// Prints what a picture calls for on the ground of `base`; `built` is the machine that traces.
+void print_machine_plan(const MachinePlan& plan, const Config& base, const Config& built);
+
 /// Prints what people read of a run.
 void print_summary(const Report& report, const Session& session);
 

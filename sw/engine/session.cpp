@@ -93,7 +93,9 @@ Session::Session(const RunOptions& options, Scene scene, SceneImage image)
                                      .watchdog_steps = options_.config.watchdog_steps,
                                      .interval_cull = options_.config.interval_cull,
                                      .interval_guard = options_.config.interval_guard,
-                                     .early_exit = options_.config.early_exit})) {
+                                     .early_exit = options_.config.early_exit,
+                                     .restart = options_.config.restart,
+                                     .any_hit = options_.config.any_hit})) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
   if (options_.truth || options_.engine == EngineKind::Embree)
@@ -127,6 +129,13 @@ void Session::require_triangles() const {
       stats_.dropped_zero_area));
 }
 
+void Session::require_any_hit(const std::string& what) const {
+  if (options_.config.any_hit) return;
+  throw Error(
+      fmt::format("{}: {} may end at any hit, and any_hit is false in this machine; set it to true",
+                  options_.config.name, what));
+}
+
 void Session::log_steps(std::span<const Ray> rays) const {
   std::string text;
   Work work;
@@ -150,6 +159,8 @@ std::vector<Answer> Session::answers_of(std::span<const Ray> rays, bool& stopped
 }
 
 Wave Session::trace(std::span<const Ray> rays) {
+  if (std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ray.any; }))
+    require_any_hit("these rays");
   if (options_.log_ray && *options_.log_ray >= submitted_ &&
       *options_.log_ray < submitted_ + rays.size() && options_.engine != EngineKind::Embree) {
     log_steps(rays);

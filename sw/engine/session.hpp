@@ -88,6 +88,9 @@ class Session {
   /// Throws `Error` for a mesh that has triangles of which none is usable.
   void require_triangles() const;
 
+  /// Throws `Error` where the machine has no any-hit rays; `what` asks for them.
+  void require_any_hit(const std::string& what) const;
+
   /// Traces rays on the one engine, whose caches are as the wave before left them.
   [[nodiscard]] Wave trace(std::span<const Ray> rays);
 

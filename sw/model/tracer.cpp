@@ -5,9 +5,11 @@
 
 #include <array>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "accel/tree_bounds.hpp"
 #include "base/config_keys.hpp"
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -32,6 +34,7 @@ class TracerOf final : public Tracer {
                 static_cast<std::uint32_t>(options.watchdog_steps)},
         interval_cull_(options.interval_cull),
         guard_(static_cast<std::uint32_t>(options.interval_guard)),
+        any_hit_(options.any_hit),
         tree_(image),
         test_(image, options.early_exit) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -49,6 +52,7 @@ class TracerOf final : public Tracer {
     ray.tmin = F::from_double(given.tmin);
     ray.tmax = F::from_double(given.tmax);
     ray.any = given.any;
+    if (ray.any && !any_hit_) return miss({Status::InvalidRay, 0});
 
     const model::Clipped<F> clipped = clip(box_, ray);
     if (clipped.miss) return miss({clipped.status, 0});
@@ -104,6 +108,7 @@ class TracerOf final : public Tracer {
   model::WalkLimits limits_;
   bool interval_cull_;
   std::uint32_t guard_;
+  bool any_hit_;
   Tree tree_;
   Test test_;
   model::Box<F> box_;
@@ -131,6 +136,18 @@ constexpr auto kMakers = []<std::size_t... I>(std::index_sequence<I...>) {
   return std::array{kMaker<KdLocal<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>>>...};
 }(std::make_index_sequence<std::size(kModelFormats)>{});
 
+/// Throws `Error` for a tree that may ask for more entries than a stack has.
+void check_stack(const Image& image, int stack_depth) {
+  const std::optional<TreeBounds> bounds = tree_bounds(image);
+  if (!bounds)
+    throw Error("restart is false, and the nodes of the image share children: set it to true");
+  if (bounds->stack <= stack_depth) return;
+  throw Error(
+      fmt::format("restart is false, and a ray through this tree may have {} entries on its stack, "
+                  "but stack_depth is {}: set restart to true, or stack_depth to {}",
+                  bounds->stack, stack_depth, bounds->stack));
+}
+
 }  // namespace
 
 Work& Work::operator+=(const Work& other) {
@@ -150,6 +167,7 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
         fmt::format("the model has no short stack of {} entries: set `stack_depth`, 0 to {}",
                     options.stack_depth, model::kMaxStackDepth));
   }
+  if (!options.restart) check_stack(image, options.stack_depth);
   for (const Maker& maker : kMakers) {
     if (maker.format == image.format() && maker.tree == image.header().tree &&
         maker.test == image.header().test) {

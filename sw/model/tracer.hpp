@@ -32,10 +32,13 @@ class Tracer {
     bool interval_cull = true;  ///< whether a leaf's tests count only within its interval
     int interval_guard = 4;     ///< units in the last place by which it grows at each end
     bool early_exit = true;     ///< whether a test ends with the pass that it fails
+    bool restart = true;        ///< whether a ray whose stack has overflowed goes back to the root
+    bool any_hit = true;        ///< whether an any-hit ray is traced; when not, it is invalid
   };
 
   /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format, tree or test
-  /// that the model is not built for, and for a stack that it has no room for.
+  /// that the model is not built for, for a stack that it has no room for, and for a tree whose
+  /// walks may overflow the stack where no ray restarts.
   [[nodiscard]] static std::unique_ptr<Tracer> create(const Image& image, const Options& options);
   virtual ~Tracer() = default;
 

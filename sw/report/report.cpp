@@ -230,6 +230,20 @@ ordered_json frames_json(const Report& report) {
   return json;
 }
 
+ordered_json machine_plan_json(const Picture& picture) {
+  if (!picture.machine) return nullptr;
+  ordered_json json = ordered_json::array();
+  for (const MachineDecision& d : picture.machine->decisions) {
+    json.push_back({{"what", d.what},
+                    {"on", d.on},
+                    {"set", d.set},
+                    {"reason", d.reason},
+                    {"bound", d.bound},
+                    {"cycles", d.cycles}});
+  }
+  return json;
+}
+
 /// Paths that ended early, and what a pixel can lack by it in steps of the output.
 ordered_json dim_paths_json(const Picture& picture) {
   if (!picture.plan) return nullptr;
@@ -292,6 +306,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["image_bytes"] = session.image().bytes().size();
   json["rays"] = total.hits.size();
   json["plan"] = plan_json(report.picture);
+  json["machine_plan"] = machine_plan_json(report.picture);
   json["rays_of"] = rays_json(report.picture);
   json["dim_paths"] = dim_paths_json(report.picture);
   json["exposure"] = if_known(report.picture.plan.has_value(), report.picture.exposure);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/session.hpp"
+#include "render/machine_plan.hpp"
 #include "render/path.hpp"
 #include "render/plan.hpp"
 
@@ -29,6 +30,7 @@ struct Request {
 /// What a picture called for and what it took; empty for other runs.
 struct Picture {
   std::optional<Plan> plan;
+  std::optional<MachinePlan> machine;
   RayCounts rays{};  ///< traced, of each kind
   double exposure = 1.0;
   DimPaths dim_paths{};

@@ -9,7 +9,7 @@ from agents.stream import Sink, Source
 from cocotb.queue import Queue
 from cocotb.triggers import ClockCycles, Lock, ReadOnly, RisingEdge
 from models.numbers import numbers
-from models.payload import payloads
+from models.payload import parameter, payloads
 
 OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
 NO_PRIM = (1 << 32) - 1
@@ -249,5 +249,5 @@ def random_story(rng):
         done=(rng.choice((OK, OK, MEMORY_ERROR, WATCHDOG)), rng.getrandbits(16)),
         tmin=rng.choice((0, 0, n.one, n.sign | n.one)),
         tmax=rng.choice((n.inf, n.of(2.0), n.one)),
-        any_hit=int(rng.random() < 0.3),
+        any_hit=int(rng.random() < 0.3) & parameter("AnyHit", 1),
     )

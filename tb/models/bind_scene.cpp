@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "accel/build.hpp"
+#include "accel/tree_bounds.hpp"
 #include "bind.hpp"
 #include "model/tracer.hpp"
 
@@ -67,6 +68,8 @@ void bind_image(nb::module_& module) {
           [](const Image& image) { return nb::bytes(image.bytes().data(), image.bytes().size()); })
       .def_prop_ro("root", [](const Image& image) { return image.header().root; })
       .def_prop_ro("node_count", [](const Image& image) { return image.parts().node_count; })
+      .def_prop_ro("stack_bound",
+                   [](const Image& image) { return tree_bounds(image).value().stack; })
       .def_prop_ro("list_count", [](const Image& image) { return image.parts().list_count; })
       .def_prop_ro("triangle_count",
                    [](const Image& image) { return image.parts().triangle_count; })
@@ -99,13 +102,14 @@ void bind_tracer(nb::module_& module) {
       .def_static(
           "create",
           [](const Image& image, int stack_depth, int watchdog_steps, bool interval_cull,
-             int interval_guard, bool early_exit) {
-            return Tracer::create(
-                image, {stack_depth, watchdog_steps, interval_cull, interval_guard, early_exit});
+             int interval_guard, bool early_exit, bool restart, bool any_hit) {
+            return Tracer::create(image, {stack_depth, watchdog_steps, interval_cull,
+                                          interval_guard, early_exit, restart, any_hit});
           },
           nb::arg("image"), nb::arg("stack_depth") = 4, nb::arg("watchdog_steps") = 65535,
           nb::arg("interval_cull") = true, nb::arg("interval_guard") = 4,
-          nb::arg("early_exit") = true, nb::keep_alive<0, 1>())
+          nb::arg("early_exit") = true, nb::arg("restart") = true, nb::arg("any_hit") = true,
+          nb::keep_alive<0, 1>())
       .def("trace", &trace, nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
            nb::arg("any_hit") = false);
 }

@@ -23,6 +23,8 @@ def tracer(scene, depth, watchdog):
         config["interval_cull"],
         config["interval_guard"],
         config["early_exit"],
+        config["restart"],
+        config["any_hit"],
     )
 
 

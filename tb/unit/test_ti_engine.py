@@ -18,7 +18,7 @@ from models.scene import BASE, soup
 from models.traced import NO_PRIM
 
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
-WATCHDOG_STEPS = 40  # few, so that some rays reach it
+WATCHDOG_STEPS = 32  # few, so that some rays reach it
 HARD_CASES = Path(__file__).resolve().parents[2] / "scenes/hardcases.jsonl"
 
 
@@ -336,7 +336,8 @@ SHAPES = {
     ),
     "short_lines": (
         "cores=2 num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4 rd_cycles=2 "
-        "interval_cull=false early_exit=false ray_accumulation=retry "
+        "interval_cull=false early_exit=false any_hit=false stack_depth=32 restart=false "
+        "ray_accumulation=retry "
         "ist1_choice=slot list_l2_bytes=256 list_l2_ways=2 list_l2_rows=2",
         SOME,
     ),

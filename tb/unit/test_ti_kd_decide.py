@@ -15,6 +15,7 @@ NEAR, FAR, BOTH = range(3)
 OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
 ROOT, INDEX, LINK, TOP = 7, 100, 900, 555
 STACK_DEPTH, WATCHDOG_STEPS = parameter("StackDepth", 4), parameter("WatchdogSteps", 50)
+RESTART = bool(parameter("Restart", 1))
 CULL, GUARD = parameter("IntervalCull", 1), parameter("Guard", 4)
 
 
@@ -32,12 +33,15 @@ def around(*places):
 
 
 def common():
-    """Sign, reorder flag, entries on the stack, one dropped, steps before this node, error."""
+    """Sign, reorder flag, entries on the stack, one dropped, steps before this node, error.
+
+    An entry is dropped only where rays restart.
+    """
     return product(
         (0, 1),
         (0, 1),
         range(STACK_DEPTH + 1),
-        (0, 1),
+        (0, 1) if RESTART else (0,),
         (0, WATCHDOG_STEPS - 1, WATCHDOG_STEPS, WATCHDOG_STEPS + 1),
         (0, 1),
     )
@@ -48,6 +52,8 @@ def inner_cases():
     for (negative, reorder, level, dropped, steps, error), t in product(
         common(), around(tmin, tmax)
     ):
+        if level == STACK_DEPTH and not RESTART:  # nothing is pushed then
+            continue
         yield case(negative, reorder, level, dropped, steps, error, t=t, ray_tmax=ray_tmax)
 
 
@@ -171,11 +177,15 @@ async def a_leaf_goes_on_from_the_stack_or_the_root_or_ends(dut):
 
     ends = {(0, 0, 1, 0, 0, 0), (0, 1, 0, 0, 0, 0)}
     pops = (0, 1) if STACK_DEPTH else (0,)
+    pops = pops if RESTART else (1,)
     goes_on = {(1, leaf, 0, 0, pop, 1 - pop) for leaf in (0, 1) for pop in pops}
     assert seen == ends | goes_on
 
 
-@pytest.mark.parametrize(("depth", "cull", "guard"), [(0, 1, 4), (1, 0, 0), (4, 1, 4), (4, 1, 0)])
-def test_ti_kd_decide(depth, cull, guard):
-    values = {"StackDepth": depth, "WatchdogSteps": 50, "IntervalCull": cull, "Guard": guard}
-    run("ti_kd_decide", "test_ti_kd_decide", params=values)
+SHAPES = [(0, 1, 1, 4), (1, 1, 0, 0), (4, 1, 1, 4), (4, 1, 1, 0), (4, 0, 1, 4)]
+
+
+@pytest.mark.parametrize(("depth", "restart", "cull", "guard"), SHAPES)
+def test_ti_kd_decide(depth, restart, cull, guard):
+    values = {"StackDepth": depth, "Restart": restart, "IntervalCull": cull, "Guard": guard}
+    run("ti_kd_decide", "test_ti_kd_decide", params={"WatchdogSteps": 50, **values})

@@ -39,11 +39,12 @@ class State:
 
     A cycle may have a start, a visit, a step and an end; `busy` is the probability of the first
     three.  `checked` counts ends, `deepest` is the longest stack, `full` the pushes onto a
-    full one.
+    full one, which only a unit whose rays restart is given.
     """
 
     def __init__(self, dut, rng, busy, p_push, p_new=0.05):
         self._dut, self._rng, self._busy, self._p_push, self._p_new = dut, rng, busy, p_push, p_new
+        self._restart = int(dut.Restart.value)
         self._depth, self._lead = int(dut.StackDepth.value), int(dut.Lead.value)
         self._slots = {}
         self._fresh = list(range(int(dut.NumSlots.value)))
@@ -112,7 +113,8 @@ class State:
         dut, rng, n = self._dut, self._rng, numbers()
         ray = self._slots[slot]
         self._was = ray.outputs()
-        push = rng.random() < self._p_push
+        room = ray.level < self._depth or self._restart
+        push = rng.random() < self._p_push and room
         pop = not push and ray.level > 0 and rng.random() < 0.8
         far, tmin, tmax = rng.getrandbits(29), rng.getrandbits(n.width), rng.getrandbits(n.width)
         if push:
@@ -127,7 +129,7 @@ class State:
             ray.stack, ray.level = [], 0
         self.deepest = max(self.deepest, ray.level)
         ray.tmin, ray.tmax, ray.steps = tmin, tmax, rng.randint(0, STEPS_MAX)
-        ray.dropped = rng.getrandbits(1)
+        ray.dropped = rng.getrandbits(1) & self._restart
         for name in ("tmin", "tmax", "steps", "level", "dropped"):
             getattr(dut, f"{name}_i").value = getattr(ray, name)
         dut.push_i.value, dut.pop_i.value, dut.far_i.value = int(push), int(pop), far
@@ -149,9 +151,9 @@ async def remembers_each_slot_and_the_newest_entries_of_its_stack(dut, busy, p_p
 
     await state.run(3000)
 
-    depth = int(dut.StackDepth.value)
-    assert state.deepest == depth and state.full > 0
-    if p_push >= 0.5:  # the stack is full much of the time
+    depth, restart = int(dut.StackDepth.value), bool(dut.Restart.value)
+    assert state.deepest == depth and (state.full > 0) == restart
+    if restart and p_push >= 0.5:  # the stack is full much of the time
         assert state.full > 10 and (depth <= 1 or state.popped_after_full > 10)
     assert state.checked > 100
 
@@ -197,8 +199,11 @@ async def forgets_what_is_inside_on_reset(dut):
         {"NumSlots": 4, "StackDepth": 1, "Lead": 3},
         {"NumSlots": 8, "StackDepth": 3, "Lead": 7},
         {"NumSlots": 16, "StackDepth": 4, "Lead": 7},
+        {"NumSlots": 8, "StackDepth": 1, "Restart": 0, "Lead": 7},
+        {"NumSlots": 8, "StackDepth": 3, "Restart": 0, "Lead": 7},
+        {"NumSlots": 16, "StackDepth": 4, "Restart": 0, "Lead": 3},
     ],
-    ids=["0", "1", "3", "4"],
+    ids=["0", "1", "3", "4", "1-full", "3-full", "4-full"],
 )
 def test_ti_kd_state(params):
     config = f"tiny trv_slots={params['NumSlots']}"

@@ -11,6 +11,8 @@ from models.numbers import hexed, numbers
 from models.payload import parameter, payloads
 from models.rays import clip, dispatched, random_ray, ray, setup_cases, unit_box
 
+INVALID_RAY = 1
+
 
 class Homes:
     """The homes: each has room for `slots` rays, or a list of that, one a home.
@@ -66,6 +68,8 @@ def packed(rays):
 def expected(ray_id, given):
     """("dispatch_t" or "hit_t", the beat)."""
     miss, status, inv, tmin, tmax = clip(*unit_box(), given)
+    if ray_id & 1 and not parameter("AnyHit", 1):
+        miss, status = 1, INVALID_RAY
     if miss:
         values = {"status": status, "prim": (1 << 32) - 1, "t": numbers().inf}
         return "hit_t", payloads().pack("hit_t", values, ray_id=ray_id)
@@ -345,6 +349,11 @@ async def tells_what_it_does_in_each_cycle(dut):
 )
 def test_ti_rd(params):
     run("ti_rd", "test_ti_rd", params=params)
+
+
+def test_ti_rd_without_any_hit_rays():
+    """Every second ray is an any-hit ray, and invalid."""
+    run("ti_rd", "test_ti_rd", params={"NumTrv": 3, "AnyHit": 0}, only="every_ray_leaves")
 
 
 @pytest.mark.parametrize("ray_cycles", [1, 2, 3])

@@ -9,7 +9,7 @@ from agents.bench import run, start
 from agents.fixed_latency import replay
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
-from models.payload import payloads
+from models.payload import parameter, payloads
 from models.rays import clip, random_ray, ray, setup_cases, unit_box
 
 FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
@@ -30,7 +30,10 @@ def beats(dut, case):
 
 def expected(case):
     """(miss, status, inverse, tmin, tmax); of a miss only the first two."""
-    result = clip(*case)
+    *box, given = case
+    if given.get("any_hit") and not parameter("AnyHit", 1):
+        return 1, INVALID
+    result = clip(*box, {k: given[k] for k in given if k != "any_hit"})
     return result[:2] if result[0] else result
 
 
@@ -106,6 +109,18 @@ async def says_invalid_of_exactly_the_rays_that_cannot_be_traced(dut):
 
 
 @cocotb.test()
+async def an_any_hit_ray_is_set_up_as_any_other_or_invalid_where_it_cannot_be_traced(dut):
+    """Flagged rays between rays without the flag, whose verdicts stay their own."""
+    rng = await start(dut)
+    cases = [(lo, hi, {**r, "any_hit": rng.getrandbits(1)}) for lo, hi, r in setup_cases(rng, 300)]
+
+    _, results = await check(dut, cases)
+
+    flagged = [result for case, result in zip(cases, results, strict=True) if case[2]["any_hit"]]
+    assert any(result[1] == OK for result in flagged) == bool(parameter("AnyHit", 1))
+
+
+@cocotb.test()
 @cocotb.parametrize(p_gap=[0.0, 0.5, 0.9])
 async def keeps_its_latency_with_and_without_bubbles(dut, p_gap):
     rng = await start(dut)
@@ -177,3 +192,8 @@ async def forgets_what_is_inside_on_reset(dut):
 def test_ti_rd_clip(overrides, ray_cycles):
     params = {"RayCycles": ray_cycles}
     run("ti_rd_clip", "test_ti_rd_clip", config=f"tiny {overrides}", params=params)
+
+
+def test_ti_rd_clip_without_any_hit_rays():
+    params = {"RayCycles": 2, "AnyHit": 0}
+    run("ti_rd_clip", "test_ti_rd_clip", only="invalid|any_hit", params=params)

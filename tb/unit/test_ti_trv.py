@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import cocotb
 import pytest
-from agents.bench import cycle, run
+from agents.bench import cycle, only_if, run
 from agents.image_memory import ImageMemory
 from agents.leaf_tests import LeafTests
 from agents.stream import Sink, Source, stalls
@@ -89,6 +89,33 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
     )
     assert all(len(r) > 1 for r in steps.rays_of_slot.values())
     assert len(steps.rays_of_slot) == int(dut.NumSlots.value)
+
+
+def scene_of_stack(rng, depth, size):
+    """A scene whose rays may have just so many entries on their stack, and no more."""
+    triangles = soup(rng, 400, size)
+    scenes = (Scene(triangles[:count]) for count in range(1, 400))
+    return next(scene for scene in scenes if scene.image.stack_bound == depth)
+
+
+@only_if(not parameter("Restart", 1))
+@cocotb.parametrize(size=[0.5, 0.1, 0.02])
+async def a_stack_as_deep_as_the_tree_asks_never_overflows(dut, size):
+    """The unit asserts that it has room for each entry."""
+    rng, _ = await setup(dut)
+    scene = scene_of_stack(rng, int(dut.StackDepth.value), size)
+    put_scene(dut, scene)
+    model, steps = tracer_of(dut, scene), Steps(dut)
+    ImageMemory(dut, scene.bytes, BASE)
+    LeafTests(dut, scene, rng)
+    rays = [r for r in random_rays(rng, 300) if dispatch(scene, r) is not None]
+
+    hits = await all_hits(dut, [dispatch(scene, r, i) for i, r in enumerate(rays)])
+
+    for i, given in enumerate(rays):
+        traced = trace(model, given)
+        assert steps.nodes[i] == nodes_of(traced) and hits[i] == hit_of(traced, i, 0), given
+        assert traced.restarts == 0
 
 
 @cocotb.test()
@@ -297,17 +324,36 @@ async def tells_what_it_does_in_each_cycle(dut):
         ]
 
 
+# The machine in shapes that differ, and which of the tests above each runs.
 BUILDS = {
-    "tiny": ("trv_slots=8", {"NumSlots": 8, "StackDepth": 4, "WatchdogSteps": 400}),
-    "least": ("trv_slots=2", {"NumSlots": 2, "StackDepth": 1, "WatchdogSteps": 60, "Rows": 1}),
-    "no stack": ("trv_slots=4", {"NumSlots": 4, "StackDepth": 0}),
-    "half": ("trv_slots=4 exp_bits=7 frac_bits=16", {"NumSlots": 4, "StackDepth": 2}),
-    "large": ("trv_slots=32", {"NumSlots": 32, "StackDepth": 8, "CacheBytes": 32768, "Ways": 4}),
+    "tiny": ("trv_slots=8", {"NumSlots": 8, "StackDepth": 4, "WatchdogSteps": 400}, None),
+    "least": (
+        "trv_slots=2",
+        {"NumSlots": 2, "StackDepth": 1, "WatchdogSteps": 60, "Rows": 1},
+        None,
+    ),
+    "no stack": ("trv_slots=4", {"NumSlots": 4, "StackDepth": 0}, None),
+    "half": ("trv_slots=4 exp_bits=7 frac_bits=16", {"NumSlots": 4, "StackDepth": 2}, None),
+    "large": (
+        "trv_slots=32",
+        {"NumSlots": 32, "StackDepth": 8, "CacheBytes": 32768, "Ways": 4},
+        None,
+    ),
+    "no restarts": (
+        "trv_slots=8 restart=false",
+        {"NumSlots": 8, "StackDepth": 24, "Restart": 0},
+        "every_ray|memory_error|the_watchdog|a_step",
+    ),
+    "just deep enough": (
+        "trv_slots=8 restart=false",
+        {"NumSlots": 8, "StackDepth": 6, "Restart": 0},
+        "a_stack_as_deep",
+    ),
 }
 
 
 @pytest.mark.parametrize("build", BUILDS)
 def test_ti_trv(build):
-    overrides, params = BUILDS[build]
+    overrides, params, only = BUILDS[build]
     params = {"WatchdogSteps": 400, **params}
-    run("ti_trv", "test_ti_trv", config=f"tiny {overrides}", params=params)
+    run("ti_trv", "test_ti_trv", config=f"tiny {overrides}", params=params, only=only)

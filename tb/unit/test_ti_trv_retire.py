@@ -10,7 +10,7 @@ from agents.stream import Sink
 from agents.way_home import MEMORY_ERROR, NO_PRIM, OK, WATCHDOG, done
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
-from models.payload import payloads
+from models.payload import parameter, payloads
 
 KINDS = ("ended", "done")
 
@@ -110,7 +110,7 @@ async def every_slot_that_ends_comes_out_once_in_the_order_of_its_kind(dut, p_re
     while hits < 400:
         if free and rng.random() < 0.7:
             slot = free.pop(rng.randrange(len(free)))
-            await rays.start(slot, rng.getrandbits(1))
+            await rays.start(slot, rng.getrandbits(1) & parameter("AnyHit", 1))
             steps = rng.getrandbits(16)
             if rng.random() < 0.5:
                 await rays.park(slot, steps)
@@ -193,6 +193,7 @@ async def all_slots_of_a_kind_find_room_behind_a_hit_that_waits(dut, kind):
     assert rays.freed == list(range(rays.slots))
 
 
-@pytest.mark.parametrize("slots", [2, 8])
-def test_ti_trv_retire(slots):
-    run("ti_trv_retire", "test_ti_trv_retire", config=f"tiny trv_slots={slots}", NumSlots=slots)
+@pytest.mark.parametrize(("slots", "any_hit"), [(2, 1), (8, 1), (8, 0)])
+def test_ti_trv_retire(slots, any_hit):
+    params = {"NumSlots": slots, "AnyHit": any_hit}
+    run("ti_trv_retire", "test_ti_trv_retire", config=f"tiny trv_slots={slots}", params=params)

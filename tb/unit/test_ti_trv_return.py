@@ -3,7 +3,7 @@
 
 import cocotb
 import pytest
-from agents.bench import cycle, run, start
+from agents.bench import cycle, only_if, run, start
 from agents.stream import Sink, Source
 from agents.way_home import (
     MEMORY_ERROR,
@@ -21,7 +21,7 @@ from agents.way_home import (
 )
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
-from models.payload import payloads
+from models.payload import parameter, payloads
 
 
 @cocotb.test()
@@ -70,7 +70,7 @@ async def a_leaf_ends_the_ray_only_when_the_best_hit_is_not_beyond_it(dut):
     await tell(dut, stories)
 
 
-@cocotb.test()
+@only_if(parameter("AnyHit", 1))
 async def an_any_hit_ray_ends_at_the_leaf_of_its_first_hit_and_reports_only_that(dut):
     n = numbers()
     far = n.of(100.0)
@@ -263,6 +263,7 @@ async def offers_the_best_t_to_the_step_pipeline(dut):
         assert await best() == n.of(want)
 
 
-@pytest.mark.parametrize("slots", [2, 8])
-def test_ti_trv_return(slots):
-    run("ti_trv_return", "test_ti_trv_return", config=f"tiny trv_slots={slots}", NumSlots=slots)
+@pytest.mark.parametrize(("slots", "any_hit"), [(2, 1), (8, 1), (8, 0)])
+def test_ti_trv_return(slots, any_hit):
+    params = {"NumSlots": slots, "AnyHit": any_hit}
+    run("ti_trv_return", "test_ti_trv_return", config=f"tiny trv_slots={slots}", params=params)

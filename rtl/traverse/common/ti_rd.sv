@@ -15,6 +15,8 @@ module ti_rd #(
   parameter int unsigned DealTile = 16,
   /// Cycles a ray, 1 to 3.
   parameter int unsigned RayCycles = ti_config_pkg::RdCycles,
+  /// Whether an any-hit ray can be traced; when not, it is answered as invalid.
+  parameter bit AnyHit = ti_config_pkg::AnyHit,
   localparam int unsigned AcceptLatency = 1,
   localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
@@ -48,6 +50,11 @@ module ti_rd #(
   localparam int unsigned CountWidth = $clog2(Depth + 1);
   localparam int unsigned TileWidth = (DealTile > 1) ? $clog2(DealTile) : 1;
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
+
+  // Of the rays that wait, the flag of an any-hit ray is the uppermost bit; without `AnyHit` it stays behind.
+  localparam int unsigned RayWidth = $bits(ti_pkg::ray_t);
+  localparam int unsigned WaitingWidth = AnyHit ? RayWidth : RayWidth - 1;
+  typedef logic [WaitingWidth-1:0] waiting_t;
 
   typedef struct packed {
     logic            miss;
@@ -84,10 +91,12 @@ module ti_rd #(
 
   // Clip, while the rays themselves wait.
   logic clip_valid, clipped_valid, ray_waits;
+  waiting_t waiting_in, waiting;
   clipped_t clip, clipped;
 
   ti_rd_clip #(
-    .RayCycles(RayCycles)
+    .RayCycles(RayCycles),
+    .AnyHit   (AnyHit)
   ) u_clip (
     .clk_i,
     .rst_ni,
@@ -105,17 +114,26 @@ module ti_rd #(
   );
 
   ti_queue #(
-    .payload_t(ti_pkg::ray_t),
+    .payload_t(waiting_t),
     .Depth    (Depth)
   ) u_rays (
     .clk_i,
     .rst_ni,
     .push_i     (take),
-    .push_data_i(ray_data_i),
+    .push_data_i(waiting_in),
     .out_valid_o(ray_waits),
     .out_ready_i(egress),
-    .out_data_o (ray)
+    .out_data_o (waiting)
   );
+  assign waiting_in = waiting_t'({
+    ray_data_i.any_hit,
+    ray_data_i.ray_id,
+    ray_data_i.o,
+    ray_data_i.d,
+    ray_data_i.tmin,
+    ray_data_i.tmax
+  });
+  assign {ray.any_hit, ray.ray_id, ray.o, ray.d, ray.tmin, ray.tmax} = RayWidth'(waiting);
 
   ti_queue #(
     .payload_t(clipped_t),
@@ -200,6 +218,7 @@ module ti_rd #(
   `TI_ASSERT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
   `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid |-> ray_waits)
   `TI_ASSERT(OneHomeARay, $onehot0(dispatch_valid_o))
+  `TI_ASSERT(AnyHitRayOnlyWhereItCanBeTraced, deal |-> AnyHit || !dispatch_data_o.any_hit)
   `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
   `TI_ASSERT_KNOWN(DispatchValidKnown, dispatch_valid_o)
   `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)

@@ -12,11 +12,14 @@
 /// An axis whose inverse is infinite is parallel: it sets no bound, and the ray misses when o lies
 /// outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward by 4 ulp, which covers
 /// the three roundings; the ray misses when tmin > tmax, tmin' > tmax' or tmax' < 0.
-/// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid.
+/// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid; without `AnyHit` so is
+/// an any-hit ray.
 /// A lane has 1 RCP, 2 ADD, 2 MUL, 2 CMP; 2 CMP for all.
 module ti_rd_clip #(
   /// Cycles a ray, 1 to 3.
   parameter int unsigned RayCycles = ti_config_pkg::RdCycles,
+  /// Whether an any-hit ray can be traced.
+  parameter bit AnyHit = ti_config_pkg::AnyHit,
   localparam int unsigned Lanes = 4 - RayCycles,
   localparam int unsigned AxisLatency = ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
@@ -76,16 +79,17 @@ module ti_rd_clip #(
 
   along_t along, along_in;
   logic [5:0] finite;
-  logic nan_tmin, nan_tmax;
+  logic nan_tmin, nan_tmax, refused;
   for (genvar i = 0; i < 3; i++) begin : gen_finite
     assign finite[i]   = ray_i.o[i][M+:E] != '1;
     assign finite[i+3] = ray_i.d[i][M+:E] != '1;
   end
   assign nan_tmin = ray_i.tmin[W-2:0] > ti_num_pkg::Inf[W-2:0];
   assign nan_tmax = ray_i.tmax[W-2:0] > ti_num_pkg::Inf[W-2:0];
+  assign refused  = ray_i.any_hit && !AnyHit;
   always_comb begin
     along_in.step = step_i;
-    along_in.bad  = finite != '1 || nan_tmin || nan_tmax;
+    along_in.bad  = finite != '1 || nan_tmin || nan_tmax || refused;
     along_in.tmin = ray_i.tmin;
     along_in.tmax = ray_i.tmax;
   end

@@ -10,6 +10,8 @@
 /// free when its hit is taken.
 module ti_trv_retire #(
   parameter int unsigned NumSlots = 8,
+  /// Whether a ray may be an any-hit ray.
+  parameter bit AnyHit = 1'b1,
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned MemoryLatency = 1,
   localparam int unsigned Latency = QueueLatency + MemoryLatency
@@ -53,7 +55,6 @@ module ti_trv_retire #(
     ti_pkg::status_e   status;
   } end_t;
 
-  logic [NumSlots-1:0] any_hit_q;
   logic ended_valid, done_valid, ended_ready, done_ready, take_done, prefer_done_q;
   end_t ended, done, next;
 
@@ -83,7 +84,7 @@ module ti_trv_retire #(
   );
 
   // Neither kind waits for more than one of the other.
-  logic room, take, any_hit, hit_valid_q, any_hit_ray_q;
+  logic room, take, hit_valid_q, any_hit_ray;
   ti_pkg::trv_slot_t slot_q;
   ti_pkg::status_e   status_q;
 
@@ -93,7 +94,6 @@ module ti_trv_retire #(
   assign ended_ready = room && !take_done;
   assign next        = take_done ? done : ended;
   assign take        = room && (done_valid || ended_valid);
-  assign any_hit     = any_hit_q[next.slot];
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
@@ -106,11 +106,23 @@ module ti_trv_retire #(
   end
   always_ff @(posedge clk_i) begin
     if (take) begin
-      slot_q        <= next.slot;
-      status_q      <= next.status;
-      any_hit_ray_q <= any_hit;
+      slot_q   <= next.slot;
+      status_q <= next.status;
     end
-    if (start_i) any_hit_q[start_slot_i] <= start_any_hit_i;
+  end
+
+  if (AnyHit) begin : gen_any_hit
+    logic any_hit, any_hit_ray_q;
+    logic [NumSlots-1:0] any_hit_q;
+    assign any_hit     = any_hit_q[next.slot];
+    assign any_hit_ray = any_hit_ray_q;
+    always_ff @(posedge clk_i) begin
+      if (take) any_hit_ray_q <= any_hit;
+      if (start_i) any_hit_q[start_slot_i] <= start_any_hit_i;
+    end
+  end else begin : gen_no_any_hit
+    assign any_hit_ray = 1'b0;
+    `TI_ASSERT(NoAnyHitRay, start_i |-> !start_any_hit_i)
   end
 
   // What the hit is made of.
@@ -157,7 +169,7 @@ module ti_trv_retire #(
     if (!reports_hit) begin
       hit_data_o.t    = ti_num_pkg::Inf;
       hit_data_o.prim = ti_pkg::NoPrim;
-    end else if (!any_hit_ray_q) begin
+    end else if (!any_hit_ray) begin
       hit_data_o.t    = final_i.t;
       hit_data_o.u    = final_i.u;
       hit_data_o.v    = final_i.v;

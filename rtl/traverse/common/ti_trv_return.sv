@@ -11,6 +11,10 @@
 /// nothing of what is left to visit lies: a kd-tree gives the leaf's exit.  3 CMP, 2 of them in `ti_trv_best`.
 module ti_trv_return #(
   parameter int unsigned NumSlots = 8,
+  /// Whether a ray may be an any-hit ray.
+  parameter bit AnyHit = 1'b1,
+  /// Whether a ray may go back to the root.
+  parameter bit Restart = 1'b1,
   localparam int unsigned LeafLatency = 2
 ) (
   input logic clk_i,
@@ -69,11 +73,14 @@ module ti_trv_return #(
   } back_t;
 
   typedef struct packed {
+    logic                restart;  // kept only where a ray may restart
     logic                go;
-    logic                restart;
     ti_pkg::node_index_t next;
     fp_t                 bound;
   } park_t;
+
+  localparam int unsigned ParkWidth = $bits(park_t) - (Restart ? 0 : 1);
+  typedef logic [ParkWidth-1:0] park_word_t;
 
   slot_t return_slot;
   assign return_ready_o = 1'b1;
@@ -81,7 +88,7 @@ module ti_trv_return #(
 
   // ---- A token: the tests of its leaf that are back, beside the best hit.
   logic token_q, same_slot_q, begun, begun_q, all_back;
-  logic [NumSlots-1:0] leaf_begun_q, any_hit_q;  // some of the leaf's tests are back
+  logic [NumSlots-1:0] leaf_begun_q;  // some of the leaf's tests are back
   slot_t slot_q;
   tri_count_t sent;
   back_t token_back_q, back_ram, earlier, back, last_back_q;
@@ -139,10 +146,7 @@ module ti_trv_return #(
 
   always_ff @(posedge clk_i) begin
     if (token_q) leaf_begun_q[slot_q] <= !all_back;
-    if (start_i) begin
-      leaf_begun_q[start_slot_i] <= 1'b0;
-      any_hit_q[start_slot_i]    <= start_any_hit_i;
-    end
+    if (start_i) leaf_begun_q[start_slot_i] <= 1'b0;
   end
 
   logic has_hit, final_read;
@@ -172,35 +176,47 @@ module ti_trv_return #(
   );
 
   // ---- The end of a leaf: on, or the end of the ray.
-  logic leaf_q, leaf_error_q, leaf_any_hit_q, any_hit, not_beyond, ends;
+  logic leaf_q, leaf_error_q, leaf_any_hit, not_beyond, ends;
   slot_t leaf_slot_q;
   park_t park;
+  park_word_t park_word;
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) leaf_q <= 1'b0;
     else leaf_q <= token_q && all_back;
   end
-  assign any_hit = any_hit_q[slot_q];
   always_ff @(posedge clk_i) begin
-    leaf_slot_q    <= slot_q;
-    leaf_error_q   <= back.error;
-    leaf_any_hit_q <= any_hit;
+    leaf_slot_q  <= slot_q;
+    leaf_error_q <= back.error;
+  end
+
+  if (AnyHit) begin : gen_any_hit
+    logic any_hit, leaf_any_hit_q;
+    logic [NumSlots-1:0] any_hit_q;
+    assign any_hit      = any_hit_q[slot_q];
+    assign leaf_any_hit = leaf_any_hit_q;
+    always_ff @(posedge clk_i) begin
+      if (start_i) any_hit_q[start_slot_i] <= start_any_hit_i;
+      leaf_any_hit_q <= any_hit;
+    end
+  end else begin : gen_no_any_hit
+    assign leaf_any_hit = 1'b0;
+    `TI_ASSERT(NoAnyHitRay, start_i |-> !start_any_hit_i)
   end
 
   ti_ram_1r1w #(
     .Depth (NumSlots),
-    .word_t(park_t)
+    .word_t(park_word_t)
   ) u_park (
     .clk_i,
     .read_en_i(token_q),
     .read_addr_i(slot_q),
-    .read_data_o(park),
+    .read_data_o(park_word),
     .write_en_i(park_i),
     .write_addr_i(stop_slot_i),
-    .write_data_i(
-    '{go: park_go_i, restart: park_restart_i, next: park_next_i, bound: park_bound_i}
-    )
+    .write_data_i(park_word_t'({park_restart_i, park_go_i, park_next_i, park_bound_i}))
   );
+  assign park = $bits(park_t)'(park_word);
 
   ti_fp_cmp #(
     .ExpBits (ti_num_pkg::ExpBits),
@@ -213,7 +229,7 @@ module ti_trv_return #(
     .le_o(not_beyond),
     .unordered_o()
   );
-  assign ends             = leaf_error_q || !park.go || not_beyond || (leaf_any_hit_q && has_hit);
+  assign ends             = leaf_error_q || !park.go || not_beyond || (leaf_any_hit && has_hit);
 
   assign resume_o         = leaf_q && !ends;
   assign resume_slot_o    = leaf_slot_q;
@@ -221,7 +237,8 @@ module ti_trv_return #(
   assign resume_restart_o = park.restart;
 
   ti_trv_retire #(
-    .NumSlots(NumSlots)
+    .NumSlots(NumSlots),
+    .AnyHit  (AnyHit)
   ) u_retire (
     .clk_i,
     .rst_ni,
@@ -247,6 +264,7 @@ module ti_trv_return #(
     .free_slot_o
   );
 
+  `TI_ASSERT(RestartsOnlyWhereARayMay, park_i |-> Restart || !park_restart_i)
   `TI_ASSERT(NeverMoreBackThanSent, token_q |-> back.count >= earlier.count && back.count <= sent)
   `TI_COVER(SameSlotInARow, token_q && same_slot_q)
   `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)

@@ -6,12 +6,14 @@
 /// tmax := t and the far child pushed.  The near child is the adjacent one exactly when the sign of the
 /// direction XNOR the node's reorder flag (ODFL, Nah et al. 2011).  `<=` makes restarts end.
 /// Leaf: on to the top of the short stack; else, if an entry was dropped, restart from the root at the
-/// leaf's exit; else the end.  A `StackDepth` of 0 drops every entry.  An empty leaf also ends a ray whose best t
+/// leaf's exit; else the end.  A `StackDepth` of 0 drops every entry.  Without `Restart` the stack holds every entry
+/// that a tree can ask of it (`ti_kd_state` watches), none is dropped, and no ray restarts.  An empty leaf also ends a ray whose best t
 /// does not exceed the exit; a leaf with triangles leaves that to `ti_trv_return`.  2 CMP.
 /// The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's interval, moved outward by `Guard` ulp, and
 /// not beyond the best t; without `IntervalCull` from 0 to the best t.
 module ti_kd_decide #(
   parameter int unsigned StackDepth = 4,
+  parameter bit Restart = 1'b1,
   parameter int unsigned WatchdogSteps = 65535,
   parameter bit IntervalCull = 1'b1,
   parameter int unsigned Guard = 4,
@@ -136,7 +138,7 @@ module ti_kd_decide #(
         next_o  = top_node_i;
         tmax_o  = top_tmax_i;
         level_o = level_i - 1'b1;
-      end else if (dropped_i && tmax_i != ray_tmax_i) begin
+      end else if (Restart && dropped_i && tmax_i != ray_tmax_i) begin
         go_o      = 1'b1;
         restart_o = 1'b1;
         next_o    = root_i;
@@ -153,7 +155,7 @@ module ti_kd_decide #(
         end else begin
           tmax_o = t_i;
           push_o = 1'b1;
-          if (level_i == LevelWidth'(StackDepth)) dropped_o = 1'b1;
+          if (Restart && level_i == LevelWidth'(StackDepth)) dropped_o = 1'b1;
           else level_o = level_i + 1'b1;
         end
       end

@@ -8,11 +8,14 @@
 /// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
 /// the outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state.
 /// The stack of a slot is a ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring
-/// overwrites the oldest, and with a `StackDepth` of 0 there is none.  A slot that has just been taken reads as a
+/// overwrites the oldest, and with a `StackDepth` of 0 there is none.  Without `Restart` nothing is pushed onto a full
+/// stack, so that an entry's place is its level, and the ring's pointer and the flag of a dropped entry are not there.  A slot that has just been taken reads as a
 /// fresh ray, so a start writes the interval alone.
 module ti_kd_state #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
+  /// Whether a stack may overflow.
+  parameter bit Restart = 1'b1,
   /// Cycles from step to end, 3 or more.
   parameter int unsigned Lead = 7,
   localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1
@@ -71,13 +74,21 @@ module ti_kd_state #(
     ti_pkg::fp_t tmax;
   } interval_t;
 
+  // Of a stack that may overflow.
   typedef struct packed {
+    pointer_t pointer;  // where the next entry goes
+    logic     dropped;
+  } ring_t;
+
+  typedef struct packed {
+    ring_t                 ring;
     interval_t             interval;
     ti_pkg::steps_t        steps;
     logic [LevelWidth-1:0] level;
-    pointer_t              pointer;   // where the next entry goes
-    logic                  dropped;
   } state_t;
+
+  localparam int unsigned StateWidth = $bits(state_t) - (Restart ? 0 : $bits(ring_t));
+  typedef logic [StateWidth-1:0] word_t;
 
   typedef struct packed {
     ti_pkg::node_index_t node;
@@ -107,23 +118,24 @@ module ti_kd_state #(
   );
   always_ff @(posedge clk_i) late_slot_o <= early_slot;
 
-  state_t state_ram, state_q, state, state_next;
+  word_t word, word_q;
+  state_t state;
   interval_t interval;
   entry_t top;
-  pointer_t late_top, pointer_below, pointer_above;
+  pointer_t late_pointer, late_top, pointer, pointer_below, pointer_above, pointer_next;
   logic [NumSlots-1:0] fresh_q;  // has not taken a step yet
 
   ti_ram_1r1w #(
     .Depth (NumSlots),
-    .word_t(state_t)
+    .word_t(word_t)
   ) u_state (
     .clk_i,
     .read_en_i   (early_valid),
     .read_addr_i (early_slot),
-    .read_data_o (state_ram),
+    .read_data_o (word),
     .write_en_i  (end_valid_i),
     .write_addr_i(end_slot_i),
-    .write_data_i(state_next)
+    .write_data_i(word_t'({pointer_next, dropped_i, tmin_i, tmax_i, steps_i, level_i}))
   );
 
   ti_ram_1r1w #(
@@ -160,7 +172,7 @@ module ti_kd_state #(
     assign top_place = StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth) +
       StackAddrWidth'(late_top);
     assign push_place = StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth) +
-      StackAddrWidth'(state.pointer);
+      StackAddrWidth'(pointer);
 
     ti_ram_1r1w #(
       .Depth (StackWords),
@@ -181,38 +193,38 @@ module ti_kd_state #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (late_valid_o) state_q <= state_ram;
+    if (late_valid_o) word_q <= word;
     if (end_valid_i) fresh_q[end_slot_i] <= 1'b0;
     if (start_i) fresh_q[start_slot_i] <= 1'b1;
   end
 
   always_comb begin
-    state = state_q;
+    state = $bits(state_t)'(word_q);
     if (fresh_q[end_slot_i]) begin
       state          = '0;
       state.interval = interval;
     end
   end
 
-  assign late_top = (state_ram.pointer == '0) ? pointer_t'(StackDepth - 1) :
-      state_ram.pointer - 1'b1;
-  assign pointer_below = (state.pointer == '0) ? pointer_t'(StackDepth - 1) : state.pointer - 1'b1;
-  assign pointer_above = (state.pointer == pointer_t'(StackDepth - 1)) ? '0 : state.pointer + 1'b1;
+  if (Restart) begin : gen_ring
+    assign late_pointer = word[StateWidth-1-:PointerWidth];
+    assign pointer      = state.ring.pointer;
+  end else begin : gen_no_ring
+    assign late_pointer = pointer_t'(word[LevelWidth-1:0]);
+    assign pointer      = pointer_t'(state.level);
+  end
+  assign late_top = (late_pointer == '0) ? pointer_t'(StackDepth - 1) : late_pointer - 1'b1;
+  assign pointer_below = (pointer == '0) ? pointer_t'(StackDepth - 1) : pointer - 1'b1;
+  assign pointer_above = (pointer == pointer_t'(StackDepth - 1)) ? '0 : pointer + 1'b1;
 
-  assign state_next = '{
-          interval: '{tmin: tmin_i, tmax: tmax_i},
-          steps: steps_i,
-          level: level_i,
-          pointer: push_i ? pointer_above : pop_i ? pointer_below : state.pointer,
-          dropped: dropped_i
-      };
+  assign pointer_next = push_i ? pointer_above : pop_i ? pointer_below : pointer;
 
   assign tmin_o = state.interval.tmin;
   assign tmax_o = state.interval.tmax;
   assign ray_tmax_o = interval.tmax;
   assign steps_o = state.steps;
   assign level_o = state.level;
-  assign dropped_o = state.dropped;
+  assign dropped_o = state.ring.dropped;
   assign top_node_o = top.node;
   assign top_tmax_o = top.tmax;
 
@@ -220,6 +232,9 @@ module ti_kd_state #(
     $error("ti_kd_state: Lead must be 3 or more");
   end
 
+  `TI_ASSERT(StackOverflowsOnlyWithRestarts,
+             end_valid_i && push_i |-> Restart || 32'(state.level) < StackDepth)
+  `TI_ASSERT(NoPopOfNothing, end_valid_i && pop_i |-> state.level != '0)
   `TI_ASSERT_KNOWN(LateValidKnown, late_valid_o)
 
 endmodule : ti_kd_state

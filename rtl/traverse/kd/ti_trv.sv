@@ -14,6 +14,8 @@ module ti_trv #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
   parameter int unsigned WatchdogSteps = 65535,
+  parameter bit AnyHit = 1'b1,
+  parameter bit Restart = 1'b1,
   parameter int unsigned Rows = 2,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
@@ -209,6 +211,7 @@ module ti_trv #(
   ti_kd_state #(
     .NumSlots  (NumSlots),
     .StackDepth(StackDepth),
+    .Restart   (Restart),
     .Lead      (ArithmeticLatency)
   ) u_state (
     .clk_i,
@@ -247,6 +250,7 @@ module ti_trv #(
 
   ti_kd_decide #(
     .StackDepth   (StackDepth),
+    .Restart      (Restart),
     .WatchdogSteps(WatchdogSteps),
     .IntervalCull (ti_config_pkg::IntervalCull),
     .Guard        (ti_config_pkg::IntervalGuard)
@@ -309,7 +313,9 @@ module ti_trv #(
 
   // ---- The way home.
   ti_trv_return #(
-    .NumSlots(NumSlots)
+    .NumSlots(NumSlots),
+    .AnyHit  (AnyHit),
+    .Restart (Restart)
   ) u_return (
     .clk_i,
     .rst_ni,
@@ -375,8 +381,9 @@ module ti_trv #(
   if (NumSlots != 2 ** $bits(slot_t)) begin : gen_check_num_slots
     $error("ti_trv: NumSlots must be the configuration's power of two");
   end
-  if (WatchdogSteps < 1 || WatchdogSteps > 65535) begin : gen_check_watchdog_steps
-    $error("ti_trv: WatchdogSteps must be 1 to 65535");
+  if (WatchdogSteps < 1 || WatchdogSteps > ti_config_pkg::WatchdogSteps)
+  begin : gen_check_watchdog_steps
+    $error("ti_trv: WatchdogSteps must be 1 to the configuration's");
   end
 
   `TI_ASSERT(

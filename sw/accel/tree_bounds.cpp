@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "accel/tree_bounds.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace ti {
+namespace {
+
+/// Of the path to a node.
+struct Path {
+  std::array<std::array<int, 2>, 3> turns{};  ///< to the lower and the upper child, of each axis
+  int depth = 0;
+  bool reached = false;
+
+  [[nodiscard]] int entries() const {
+    int sum = 0;
+    for (const auto& [lower, upper] : turns) sum += std::max(lower, upper);
+    return sum;
+  }
+};
+
+}  // namespace
+
+std::optional<TreeBounds> tree_bounds(const Image& image) {
+  const auto nodes = image.nodes();
+  const std::uint32_t root = image.header().root;
+  std::vector<Path> paths(nodes.size());
+  paths[root].reached = true;
+  TreeBounds bounds;
+  std::uint64_t leaves = 0;
+  int depth = 0;
+  for (std::uint32_t i = root; i < nodes.size(); ++i) {  // children stand after their parent
+    const ImageNode& node = nodes[i];
+    const Path& path = paths[i];
+    if (!path.reached) continue;
+    ++bounds.nodes;
+    bounds.stack = std::max(bounds.stack, path.entries());
+    depth = std::max(depth, path.depth);
+    if (node.is_leaf()) {
+      ++leaves;
+      continue;
+    }
+    for (const bool upper : {false, true}) {
+      Path& child = paths[upper == node.reorder() ? i + 1 : node.other()];
+      if (child.reached) return std::nullopt;
+      child = path;
+      ++child.turns[node.axis()][upper ? 1 : 0];
+      ++child.depth;
+    }
+  }
+  bounds.steps = leaves * (static_cast<std::uint64_t>(depth) + 1);
+  return bounds;
+}
+
+}  // namespace ti
