@@ -37,18 +37,20 @@ def cached(unit: str) -> dict[str, str]:
     }
 
 
-STEPS = {"StackDepth": "stack_depth", "WatchdogSteps": "watchdog_steps"}
+STACK = {"StackDepth": "stack_depth", "Restart": "restart"}
+STEPS = {**STACK, "WatchdogSteps": "watchdog_steps"}
+ANY_HIT = {"AnyHit": "any_hit"}
 # What `ti_engine` sets on its units; other modules are read with their defaults.
 PARAMETERS = {
     **dict.fromkeys(OPERATORS, FORMAT),
-    "ti_rd": {"NumTrv": "num_trv", "DealTile": "deal_tile", "RayCycles": "rd_cycles"},
-    "ti_rd_clip": {"RayCycles": "rd_cycles"},
-    "ti_trv": {**cached("trv"), **STEPS},
+    "ti_rd": {"NumTrv": "num_trv", "DealTile": "deal_tile", "RayCycles": "rd_cycles", **ANY_HIT},
+    "ti_rd_clip": {"RayCycles": "rd_cycles", **ANY_HIT},
+    "ti_trv": {**cached("trv"), **STEPS, **ANY_HIT},
     "ti_kd_decide": STEPS,
     "ti_trv_best": {"NumSlots": "trv_slots"},
-    "ti_trv_retire": {"NumSlots": "trv_slots"},
-    "ti_trv_return": {"NumSlots": "trv_slots"},
-    "ti_kd_state": {"NumSlots": "trv_slots", "StackDepth": "stack_depth"},
+    "ti_trv_retire": {"NumSlots": "trv_slots", **ANY_HIT},
+    "ti_trv_return": {"NumSlots": "trv_slots", "Restart": "restart", **ANY_HIT},
+    "ti_kd_state": {"NumSlots": "trv_slots", **STACK},
     "ti_ra": cached("ist1"),
     "ti_l1": {"CacheBytes": "ist1_l1_bytes", "Ways": "ist1_l1_ways"},
     "ti_l2_bank": {
@@ -88,7 +90,7 @@ class Synthesis:
             else:
                 sources.append(self.rtl.parent / word)
         for name, key in PARAMETERS.get(module, {}).items():
-            options.append(f"-G {name}={self.config[key]}")
+            options.append(f"-G {name}={int(self.config[key])}")
         return " ".join(["read_slang", *options, *map(str, sources)])
 
     def run(self, name: str, *commands: str) -> tuple[bool, str]:

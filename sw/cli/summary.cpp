@@ -183,10 +183,11 @@ void print_frame(const FrameReport& frame) {
 
 void print_machine_plan(const MachinePlan& plan, const Config& base, const Config& built) {
   const std::string set = plan.set();
-  fmt::print("machine: {} with {}\n", base.name, set.empty() ? "nothing changed" : set);
+  fmt::print("machine plan: {} with {}\n", base.name, set.empty() ? "nothing changed" : set);
   for (const MachineDecision& d : plan.decisions) {
-    fmt::print("  {:16} {:3}  {:28}  {}; {}\n", d.what, d.on ? "on" : "off", d.set, d.reason,
-               d.bound);
+    const bool told = !d.set.empty() || d.bound != MachineDecision::kExact;
+    fmt::print("  {:16} {:3}  {:28}  {}{}{}\n", d.what, d.on ? "on" : "off", d.set, d.reason,
+               told ? "; " : "", told ? d.bound : "");
   }
   fmt::print("  what is built: {}\n", built.name);
   std::fflush(stdout);

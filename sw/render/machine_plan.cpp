@@ -16,8 +16,6 @@ namespace {
 /// Bits of an entry of the stack beside its number: the number of a node (`ti_pkg::node_index_t`).
 constexpr int kNodeBits = 29;
 
-constexpr const char* kExact = "no hit and no cycle differs";
-
 /// A kind of unit with caches, and what it reads.
 struct Reader {
   const char* name;
@@ -81,7 +79,7 @@ std::uint64_t cycles_of(std::uint64_t lines, const MachineFacts& facts, const Co
 }
 
 MachineDecision any_hit(const Plan& plan) {
-  MachineDecision d{.what = "any-hit rays", .bound = kExact};
+  MachineDecision d{.what = "any-hit rays", .bound = MachineDecision::kExact};
   if (const auto effect = any_hit_effect(plan)) {
     d.on = true;
     d.reason = fmt::format("{} asks whether anything is before a light", name_of(*effect));
@@ -100,7 +98,7 @@ bool never_overflows(const MachineFacts& facts, const Config& base) {
 }
 
 MachineDecision restarts(const MachineFacts& facts, const Config& base) {
-  MachineDecision d{.what = "restarts", .on = base.restart, .bound = kExact};
+  MachineDecision d{.what = "restarts", .on = base.restart, .bound = MachineDecision::kExact};
   if (!facts.bounds) {
     d.reason = "the nodes of the image share children";
   } else if (never_overflows(facts, base)) {
@@ -117,7 +115,7 @@ MachineDecision restarts(const MachineFacts& facts, const Config& base) {
 }
 
 MachineDecision watchdog(const MachineFacts& facts, const Config& base) {
-  MachineDecision d{.what = "watchdog", .on = true, .bound = kExact};
+  MachineDecision d{.what = "watchdog", .on = true, .bound = MachineDecision::kExact};
   if (!facts.bounds) {
     d.reason = "the nodes of the image share children";
     return d;
@@ -127,7 +125,8 @@ MachineDecision watchdog(const MachineFacts& facts, const Config& base) {
   const auto now = static_cast<std::uint64_t>(base.watchdog_steps);
   d.reason = fmt::format("a ray through this tree visits at most {} nodes", steps);
   if (std::bit_width(steps) < std::bit_width(now)) {
-    d.set = fmt::format("watchdog_steps={}", steps);
+    // All that these bits can count, so that scenes of one size share an engine.
+    d.set = fmt::format("watchdog_steps={}", (std::uint64_t{1} << std::bit_width(steps)) - 1);
     d.reason += fmt::format(", a count of {} bits in place of {}", std::bit_width(steps),
                             std::bit_width(now));
   } else {
@@ -137,7 +136,7 @@ MachineDecision watchdog(const MachineFacts& facts, const Config& base) {
 }
 
 MachineDecision l2(const Reader& reader, const MachineFacts& facts, const Config& base) {
-  MachineDecision d{.what = fmt::format("L2 of {}", reader.name), .bound = kExact};
+  MachineDecision d{.what = fmt::format("L2 of {}", reader.name), .bound = MachineDecision::kExact};
   if (reader.l2_bytes == 0) {
     d.reason = "the base has none";
     return d;
@@ -174,7 +173,7 @@ MachineDecision memory(const std::vector<Reader>& readers, const MachineFacts& f
                     (reader.sections.size() == 1 &&
                      reader.bytes() <= static_cast<std::uint64_t>(reader.l2_bytes)));
   }
-  MachineDecision d{.what = "timing of memory", .on = !fits, .bound = kExact};
+  MachineDecision d{.what = "timing of memory", .on = !fits, .bound = MachineDecision::kExact};
   d.reason = fits ? fmt::format("the caches hold all {} lines, read once", lines)
                   : fmt::format("the caches do not hold all {} lines", lines);
   d.reason += fmt::format("; MEM= stays {}", name_of(facts.memory));
@@ -194,13 +193,13 @@ MachineDecision cores(const Config& base) {
           .reason = fmt::format("{} as the base has; whether a core has idle slots is known after "
                                 "a run, not before",
                                 base.cores),
-          .bound = kExact};
+          .bound = MachineDecision::kExact};
 }
 
 MachineDecision rescaling(const MachineFacts& facts, const Config& base) {
   const double largest = FormatGrid(base.format).max();
   const double product = facts.extent * facts.extent;
-  MachineDecision d{.what = "rescaling", .bound = kExact};
+  MachineDecision d{.what = "rescaling", .bound = MachineDecision::kExact};
   if (product < largest) {
     d.reason = fmt::format("coordinates up to {:.3g} and their products are below {:.3g}",
                            facts.extent, largest);

@@ -26,6 +26,8 @@ struct MachineFacts {
 
 /// Whether a part of the machine is needed, and what is taken for it.
 struct MachineDecision {
+  static constexpr const char* kExact = "no hit and no cycle differs";
+
   std::string what;
   bool on = false;           ///< the machine has it
   std::string set{};         ///< keys other than the base's, as `SET=` has them

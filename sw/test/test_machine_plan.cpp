@@ -99,7 +99,7 @@ TEST_CASE("machine plan: a smaller watchdog, where that saves a bit and ends no 
   f.bounds->stack = 5;  // rays restart
   CHECK(decision(f, "watchdog").set.empty());
   f.bounds->steps = 200;
-  CHECK(decision(f, "watchdog").set == "watchdog_steps=200");
+  CHECK(decision(f, "watchdog").set == "watchdog_steps=255");  // as many bits
   f.bounds.reset();
   CHECK(decision(f, "watchdog").set.empty());
 }
@@ -155,7 +155,7 @@ TEST_CASE("machine plan: keys of decisions are joined as SET= has them") {
   f.bounds->nodes = 50;
   f.parts = {};
   CHECK(make_machine_plan(f, {}, base()).set() ==
-        "any_hit=false restart=false stack_depth=4 watchdog_steps=50 trv_l2_bytes=0 "
+        "any_hit=false restart=false stack_depth=4 watchdog_steps=63 trv_l2_bytes=0 "
         "list_l2_bytes=0 ist1_l2_bytes=0");
   CHECK(make_machine_plan({}, plan_with({Effect::Shadows}), Config{}).set().empty());
 }

@@ -195,15 +195,15 @@ async def forgets_what_is_inside_on_reset(dut):
 @pytest.mark.parametrize(
     "params",
     [
+        {"NumSlots": 8, "StackDepth": 1, "Restart": 0, "Lead": 7},
+        {"NumSlots": 8, "StackDepth": 3, "Restart": 0, "Lead": 7},
+        {"NumSlots": 16, "StackDepth": 4, "Restart": 0, "Lead": 3},
         {"NumSlots": 8, "StackDepth": 0, "Lead": 5},
         {"NumSlots": 4, "StackDepth": 1, "Lead": 3},
         {"NumSlots": 8, "StackDepth": 3, "Lead": 7},
         {"NumSlots": 16, "StackDepth": 4, "Lead": 7},
-        {"NumSlots": 8, "StackDepth": 1, "Restart": 0, "Lead": 7},
-        {"NumSlots": 8, "StackDepth": 3, "Restart": 0, "Lead": 7},
-        {"NumSlots": 16, "StackDepth": 4, "Restart": 0, "Lead": 3},
     ],
-    ids=["0", "1", "3", "4", "1-full", "3-full", "4-full"],
+    ids=["1-full", "3-full", "4-full", "0", "1", "3", "4"],
 )
 def test_ti_kd_state(params):
     config = f"tiny trv_slots={params['NumSlots']}"

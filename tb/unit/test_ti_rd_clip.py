@@ -187,13 +187,13 @@ async def forgets_what_is_inside_on_reset(dut):
         await RisingEdge(dut.clk_i)
 
 
+def test_ti_rd_clip_without_any_hit_rays():
+    params = {"RayCycles": 2, "AnyHit": 0}
+    run("ti_rd_clip", "test_ti_rd_clip", only="invalid|any_hit", params=params)
+
+
 @pytest.mark.parametrize("ray_cycles", [1, 2, 3])
 @pytest.mark.parametrize("overrides", FORMATS)
 def test_ti_rd_clip(overrides, ray_cycles):
     params = {"RayCycles": ray_cycles}
     run("ti_rd_clip", "test_ti_rd_clip", config=f"tiny {overrides}", params=params)
-
-
-def test_ti_rd_clip_without_any_hit_rays():
-    params = {"RayCycles": 2, "AnyHit": 0}
-    run("ti_rd_clip", "test_ti_rd_clip", only="invalid|any_hit", params=params)

@@ -193,7 +193,7 @@ async def all_slots_of_a_kind_find_room_behind_a_hit_that_waits(dut, kind):
     assert rays.freed == list(range(rays.slots))
 
 
-@pytest.mark.parametrize(("slots", "any_hit"), [(2, 1), (8, 1), (8, 0)])
+@pytest.mark.parametrize(("slots", "any_hit"), [(8, 0), (2, 1), (8, 1)])
 def test_ti_trv_retire(slots, any_hit):
     params = {"NumSlots": slots, "AnyHit": any_hit}
     run("ti_trv_retire", "test_ti_trv_retire", config=f"tiny trv_slots={slots}", params=params)
