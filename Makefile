@@ -98,6 +98,11 @@ memory = $(if $(mem_pair),,$(call opt,--mem,MEM)) $(call opt,--mem-latency,mem_l
 # What is measured unless SCENES= says it: the papers' scenes, or ours where those are not.
 papers_scenes := $(foreach s,conference sibenik crytek_sponza,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s)))
 bench_scenes = $(or $(value SCENES),$(papers_scenes),cornell knot)
+# The same of pictures.
+gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_life windmill)
+effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
+  bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
+convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
 # Of the package in scripts/extra-packages.txt.
@@ -128,7 +133,6 @@ gallery: check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(call ma
 	  --out $(call out,build/gallery/$(notdir $(config))) --scene $(foreach s,$(gallery_scenes),'$(subst ','\'',$(s))')
 gallery: SIZE := $(if $(filter file,$(origin SIZE)),320x240,$(value SIZE))
 gallery: SPP := $(if $(filter file,$(origin SPP)),4,$(value SPP))
-gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_life windmill)
 gallery_words := CONFIG SET CORES ENGINE MEM MEM_LATENCY MEM_BANDWIDTH SIZE SPP EFFECTS BOUNCES SEED
 
 image: config build/sw/ti $(call made,$(value SCENE)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
@@ -152,8 +156,6 @@ effects-table: check-engine config $(ti) $(call library,$(ENGINE)) $(call made,$
 	@python scripts/effects_table.py --config $(config)/config.json $(if $(filter rtl,$(ENGINE)),--library $(engine)/libti_rtl.so) \
 	  $(if $(filter file,$(origin SIZE)),,--size $(call q,SIZE)) --spp $(call q,SPP) --bounces $(call q,BOUNCES) \
 	  --out $(call out,build/effects/$(notdir $(config))) --scene $(foreach s,$(effects_scenes),'$(subst ','\'',$(s))')
-effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
-  bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
 
 second-opinion: config $(ti) build/setup.stamp ## Three scenes beside Mitsuba 3, converged (OUT=)
 	@scripts/setup.sh --checks
@@ -163,7 +165,6 @@ convergence: config $(ti) $(call made,$(convergence_scenes)) ## Noise by samples
 	@scripts/setup.sh --checks
 	@build/checks/bin/python scripts/convergence.py --config $(config)/config.json --out $(call out,build/convergence) \
 	  --scene $(foreach s,$(convergence_scenes),'$(subst ','\'',$(s))')
-convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 
 ##@ Build
 engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)
