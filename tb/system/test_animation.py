@@ -9,6 +9,7 @@ import pytest
 from agents.program import SCENES
 
 FRAMES = 4
+CORNELL = SCENES / "cornell.gltf"
 
 
 def float_view(gltf: dict, values, kind: str) -> int:
@@ -24,9 +25,9 @@ def float_view(gltf: dict, values, kind: str) -> int:
     return len(gltf["accessors"]) - 1
 
 
-def moving_cornell(path, node: str, to) -> None:
+def moving_cornell(path, node: str, to, source=CORNELL) -> None:
     """The Cornell box with a node that moves by `to` in half a second, then rests."""
-    gltf = json.loads((SCENES / "cornell.gltf").read_text())
+    gltf = json.loads(source.read_text())
     number = next(i for i, n in enumerate(gltf["nodes"]) if n["name"] == node)
     start = gltf["nodes"][number].get("translation", [0, 0, 0])
     end = [a + b for a, b in zip(start, to, strict=True)]
@@ -82,10 +83,25 @@ def test_primary_rays_are_traced_where_the_block_was_and_is_alone(tiny, tmp_path
     assert second["rays"] == 64 * second["traced_tiles"]
 
 
-def test_a_camera_that_moves_traces_every_tile(tiny, tmp_path):
-    path = tmp_path / "camera.gltf"
-    moving_cornell(path, "camera", [0.05, 0.0, 0.0])
-    report, pictures = render(tiny, tmp_path / "out", path, "--effects", "none+motion")
+def with_bulb(path) -> None:
+    """Adds a lamp without an area to a scene, at the node `bulb`."""
+    gltf = json.loads(path.read_text())
+    lights = {"lights": [{"type": "point", "intensity": 0.1}]}
+    gltf["extensions"] = {"KHR_lights_punctual": lights}
+    at = {"translation": [0.2, 0.3, 0.1], "extensions": {"KHR_lights_punctual": {"light": 0}}}
+    gltf["nodes"].append({"name": "bulb", **at})
+    gltf["scenes"][0]["nodes"].append(len(gltf["nodes"]) - 1)
+    path.write_text(json.dumps(gltf))
+
+
+@pytest.mark.parametrize("what", ["camera", "light", "bulb"])
+def test_what_lights_or_sees_all_traces_every_tile(tiny, tmp_path, what):
+    source, path = tmp_path / "source.gltf", tmp_path / "moving.gltf"
+    source.write_text(CORNELL.read_text())
+    if what == "bulb":
+        with_bulb(source)
+    moving_cornell(path, what, [0.05, 0.0, 0.0], source)
+    report, pictures = render(tiny, tmp_path / "out", path, "--bounces", 1)
     assert [f["traced_tiles"] for f in report["frames"]] == [36, 36, 36, 0]
     assert not np.array_equal(pictures[0], pictures[1])
     assert next(d for d in report["plan"] if d["effect"] == "motion")["on"]

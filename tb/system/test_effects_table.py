@@ -8,7 +8,7 @@ import pytest
 from agents.program import ROOT, call, make
 
 sys.path.insert(0, str(ROOT / "scripts"))
-import effects_table  # noqa: E402
+import effects_table
 
 WORDS = {"CONFIG": "tiny", "SIZE": "16x12", "BOUNCES": 2}
 
