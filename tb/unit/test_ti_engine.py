@@ -336,10 +336,13 @@ SHAPES = {
     ),
     "short_lines": (
         "cores=2 num_trv=3 num_list=3 num_ist1=2 line_bytes=32 max_reads=4 rd_cycles=2 "
-        "interval_cull=false early_exit=false any_hit=false stack_depth=32 restart=false "
-        "ray_accumulation=retry "
+        "interval_cull=false early_exit=false ray_accumulation=retry "
         "ist1_choice=slot list_l2_bytes=256 list_l2_ways=2 list_l2_rows=2",
         SOME,
+    ),
+    "for_a_picture": (
+        "num_trv=2 any_hit=false stack_depth=32 restart=false",
+        "every_ray|after=333",
     ),
     "format": (
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
