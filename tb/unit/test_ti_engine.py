@@ -18,7 +18,7 @@ from models.scene import BASE, soup
 from models.traced import NO_PRIM
 
 STATUS_OK, INVALID_RAY, MEMORY_ERROR, WATCHDOG = range(4)
-WATCHDOG_STEPS = 32  # few, so that some rays reach it
+WATCHDOG_STEPS = 40  # few, so that some rays reach it
 HARD_CASES = Path(__file__).resolve().parents[2] / "scenes/hardcases.jsonl"
 
 
