@@ -272,8 +272,8 @@ build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-pack
 	@scripts/setup.sh --if-needed
 
 # The scenes of the project that are too large for git.
-$(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py scripts/gallery_scenes.py scripts/gltf.py scripts/shapes.py | build/setup.stamp
-	@python scripts/make_scenes.py --large $(basename $(@F)) --to $(@D)
+$(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/setup.stamp
+	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
 .PHONY: FORCE render machine trace bench compare gallery image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \

@@ -24,9 +24,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import mitsuba as mi
 import numpy as np
-from make_scenes import CORNELL, LIGHT, ply_bytes
 from pictures import PictureError, converged
-from shapes import ball, moved, quad, together
+from scenes.cornell import BLOCKS, FLOOR, LIGHT, WALLS, ceiling
+from scenes.ply import ply_bytes
+from scenes.shapes import ball, joined, placed
 
 LIMIT = 0.01
 BLOCK = 8
@@ -44,31 +45,33 @@ ALPHA = 0.1
 METAL = {"Kd": [0, 0, 0], "Ks": [0.9, 0.7, 0.3], "Ns": 2 / ALPHA**2 - 2, "illum": 2}
 
 
+def quad(corners: list) -> tuple[np.ndarray, np.ndarray]:
+    """A quad in metres, of corners in millimetres."""
+    return np.array(corners) / 1000, np.array([(0, 1, 2), (0, 2, 3)])
+
+
 def room(blocks: bool) -> list:
     """Shapes with their materials: the box in metres, with its blocks or without."""
     parts = []
-    for name, number, quads in CORNELL:
-        if number == 3 or ("block" in name and not blocks):
-            continue
-        shapes = [quad(*(np.array(corner) / 1000 for corner in corners)) for corners in quads]
-        parts.append((together(*shapes), [WHITE, RED, GREEN][number]))
+    walls = [*FLOOR, ("ceiling", 0, ceiling(LIGHT)), *WALLS, *(BLOCKS if blocks else [])]
+    for _, number, quads in walls:
+        parts.append((joined(*map(quad, quads)), [WHITE, RED, GREEN][number]))
     # In the hole of the ceiling: ours shines up too, where there is nothing.
-    lamp = [np.array(corner) / 1000 for corner in LIGHT]
-    parts.append((quad(*lamp), LAMP))
+    parts.append((quad(LIGHT), LAMP))
     return parts
 
 
 SCENES = {
     "cornell": room(True),
-    "glass": [*room(False), (moved(ball(0.12), [0.26, 0.121, 0.25]), GLASS)],
-    "metal": [*room(False), (moved(ball(0.14), [0.26, 0.141, 0.28]), METAL)],
+    "glass": [*room(False), (placed(ball(24), [0.26, 0.121, 0.25], 0.12), GLASS)],
+    "metal": [*room(False), (placed(ball(24), [0.26, 0.141, 0.28], 0.14), METAL)],
 }
 
 
 def write_ours(parts: list, folder: Path) -> Path:
     """A PLY with a material a part, and its description beside it."""
     folder.mkdir(parents=True, exist_ok=True)
-    vertices, triangles = together(*(shape for shape, _ in parts))
+    vertices, triangles = joined(*(shape for shape, _ in parts))
     numbers = np.concatenate([np.full(len(s[1]), k) for k, (s, _) in enumerate(parts)])
     (folder / "scene.ply").write_bytes(ply_bytes(vertices, triangles, numbers))
     description = {"camera": CAMERA | {"fov_y_deg": FOV}, "materials": [m for _, m in parts]}
