@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from scenes.gltf import Gltf
+from scenes.gltf import Gltf, about
 from scenes.shapes import ball, drum, grid, lathe, torus
 
 VASE = [(0, 0), (0.30, 0), (0.34, 0.03), (0.30, 0.10), (0.36, 0.25), (0.50, 0.50), (0.56, 0.75)]
@@ -90,8 +90,8 @@ def still_life():
     scene.put("far sphere", (ball(20), gold), at=[2.15, 0.5, -1.5], size=0.34)
     scene.put("far ring", (torus(0.34, 0.12, 96, 32), steel), at=[-2.3, 0.12, -1.7])
 
-    half = float(np.sqrt(0.5))
     scene.put("soft box", (panel(5.0, 3.6), day), at=[-1.6, 4.8, 1.4])
-    turn = [0, 0, -half, half]
-    scene.put("warm box", (panel(2.4, 3.0), warm), at=[5.0, 1.9, 1.2], rotation=turn)
+    scene.put(
+        "warm box", (panel(2.4, 3.0), warm), at=[5.0, 1.9, 1.2], rotation=about((0, 0, 1), -90)
+    )
     return scene.document()
