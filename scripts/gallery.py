@@ -47,8 +47,9 @@ def render(scene: str, folder: Path, given: dict[str, str]) -> None:
     words = [f"{key}={value}" for key, value in words_of(scene, given).items()]
     without = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     command = ["make", "-s", "render", *words, f"OUT={folder}"]
+    (folder / "report.json").unlink(missing_ok=True)
     status = subprocess.run(command, cwd=ROOT, env=without).returncode
-    if status != 0 and not (folder / "report.json").is_file():
+    if not (folder / "report.json").is_file():
         sys.exit(status)
 
 

@@ -74,7 +74,6 @@ class KdBuilder {
   void make_leaf(const KdCell& cell);
   void divide(const KdCell& cell, const Split& split, KdCell& below, KdCell& above);
   void merge_events(KdCell& child, std::size_t first_new);
-  void append(KdTree&& part);
 
   std::span<const Corners> triangles_;
   const KdRules& rules_;

@@ -37,7 +37,6 @@ class Updater {
   [[nodiscard]] Span span_of(std::uint32_t node) const;
   void copy(std::uint32_t node, const Span& span);
   void build(const Span& span, const Box& box, const std::vector<Fragment>& here, int depth);
-  void append(const KdTree& part);
 
   const KdTree& old_;
   std::span<const Corners> triangles_;
@@ -69,17 +68,6 @@ void Updater::copy(std::uint32_t node, const Span& span) {
                          old_.references.begin() + span.last);
 }
 
-void Updater::append(const KdTree& part) {
-  const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
-  const auto references = static_cast<std::uint32_t>(tree.references.size());
-  for (KdNode node : part.nodes) {
-    node.first += node.is_leaf() ? references : nodes;
-    if (!node.is_leaf()) node.second += nodes;
-    tree.nodes.push_back(node);
-  }
-  tree.references.insert(tree.references.end(), part.references.begin(), part.references.end());
-}
-
 void Updater::build(const Span& span, const Box& box, const std::vector<Fragment>& here,
                     int depth) {
   std::vector<std::uint32_t> still;
@@ -98,7 +86,7 @@ void Updater::build(const Span& span, const Box& box, const std::vector<Fragment
   builder.build(cell, depth, 0);
   ++update.cells;
   update.references += static_cast<std::uint32_t>(builder.tree().references.size());
-  append(builder.tree());
+  append(tree, builder.tree());
 }
 
 void Updater::visit(std::uint32_t node, const Box& box, const std::vector<Fragment>& here,

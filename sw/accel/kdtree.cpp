@@ -43,6 +43,17 @@ KdEvent end_event(float x, std::size_t id) { return KdEvent{ordered(x)} << 32U |
 
 }  // namespace
 
+void append(KdTree& tree, const KdTree& part) {
+  const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
+  const auto references = static_cast<std::uint32_t>(tree.references.size());
+  for (KdNode node : part.nodes) {
+    node.first += node.is_leaf() ? references : nodes;
+    if (!node.is_leaf()) node.second += nodes;
+    tree.nodes.push_back(node);
+  }
+  tree.references.insert(tree.references.end(), part.references.begin(), part.references.end());
+}
+
 Fragment whole_fragment(std::span<const Corners> triangles, std::uint32_t number,
                         const KdRules& rules) {
   Fragment fragment{.triangle = number, .before = {}, .after = {}};
@@ -211,17 +222,6 @@ void KdBuilder::divide(const KdCell& cell, const Split& split, KdCell& below, Kd
   merge_events(above, first_above);
 }
 
-void KdBuilder::append(KdTree&& part) {
-  const auto node_base = static_cast<std::uint32_t>(tree_.nodes.size());
-  const auto reference_base = static_cast<std::uint32_t>(tree_.references.size());
-  for (KdNode node : part.nodes) {
-    node.first += node.is_leaf() ? reference_base : node_base;
-    if (!node.is_leaf()) node.second += node_base;
-    tree_.nodes.push_back(node);
-  }
-  tree_.references.insert(tree_.references.end(), part.references.begin(), part.references.end());
-}
-
 double KdBuilder::build(KdCell& cell, int depth, int bad_splits) {
   const std::size_t count = cell.fragments.size();
   const bool too_many = count > kMaxLeafCount;
@@ -268,7 +268,7 @@ double KdBuilder::build(KdCell& cell, int depth, int bad_splits) {
                   });
     if (failure) std::rethrow_exception(failure);
     tree_.nodes[node].second = static_cast<std::uint32_t>(tree_.nodes.size());
-    append(std::move(other.tree()));
+    append(tree_, other.tree());
   } else {
     below_cost = build(below, depth + 1, bad_splits);
     tree_.nodes[node].second = static_cast<std::uint32_t>(tree_.nodes.size());

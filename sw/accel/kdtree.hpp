@@ -29,6 +29,9 @@ struct KdTree {
       references;  ///< triangle numbers of the leaves, ascending in each leaf
 };
 
+/// Puts `part` behind what `tree` has; numbers of nodes and references move along.
+void append(KdTree& tree, const KdTree& part);
+
 /// What `build_kd_tree` goes by; distances in units of the scene.
 struct KdRules {
   FormatGrid grid;

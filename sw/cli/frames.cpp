@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <optional>
 #include <string_view>
 
 #include "base/error.hpp"

@@ -4,15 +4,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "cli/traced_run.hpp"
-#include "render/film.hpp"
 #include "render/moved_region.hpp"
-#include "render/path.hpp"
 
 namespace ti {
 

@@ -43,7 +43,8 @@ void check(const Arguments& arguments, const Size& size) {
                   static_cast<std::uint64_t>(arguments.spp));
   if (arguments.frames.empty()) return;
   if (arguments.run.log_ray)
-    throw Error("LOG_RAY= is of a picture alone; leave FRAMES= out, or give one frame's rays");
+    throw Error(
+        "LOG_RAY= is of a picture alone, as each frame has its own rays; leave FRAMES= out");
   if (!arguments.base_file.empty() || !arguments.keys.empty())
     throw Error(
         "CONFIG=auto is of a picture alone, as each frame has a tree of its own; name a "
@@ -55,6 +56,7 @@ void check(const Arguments& arguments, const Size& size) {
 /// What moves in some frame of the range.
 Motion motion_in(const AnimatedScene& animated, const FrameRange& range) {
   Motion motion;
+  if (range.count() == 1) return motion;
   Scene first = animated.scene;
   animated.animation.pose(first, static_cast<std::size_t>(range.first));
   Scene other = first;
@@ -103,7 +105,8 @@ class Renderer {
     report_.picture.plan = make_plan(animated_.scene, film, request, motion_in(animated_, range_));
     if (animated) {
       tiles_.emplace(size);
-      tree_ = std::make_unique<MovingTree>(build_options_of(arguments.run.config), reach());
+      reach_ = animated_.animation.reach(animated_.scene);
+      tree_ = std::make_unique<MovingTree>(build_options_of(arguments.run.config), reach_);
     }
     tracing_.emplace(arguments, size.pixels(), report_, tiles_ ? &*tiles_ : nullptr);
     if (const auto bounds = bounds_of(animated_.scene.mesh))
@@ -114,7 +117,6 @@ class Renderer {
 
  private:
   [[nodiscard]] const Plan& plan() const { return *report_.picture.plan; }
-  [[nodiscard]] Box reach() const { return animated_.animation.reach(animated_.scene); }
   void render_frame(int frame);
   [[nodiscard]] std::vector<std::uint8_t> called_for(const Change& change,
                                                      const Scene& before) const;
@@ -127,6 +129,7 @@ class Renderer {
   Progress progress_{};
   FrameRange range_{};
   AnimatedScene animated_{};  ///< in the frame that is made
+  Box reach_{};               ///< of an animation
   Report report_{.request = {}, .total = {}, .waves = {}};
   Film film_;
   std::optional<Tiles> tiles_;
@@ -148,8 +151,11 @@ void Renderer::open_session(bool anew) {
     return;
   }
   BuildStats stats;
-  Image image = tree_->next(scene.mesh, anew, stats);
-  session_ = std::make_unique<Session>(arguments_.run, scene, SceneImage{std::move(image), stats});
+  SceneImage image = in_scene(arguments_.run, [&] {
+    Image built = tree_->next(scene.mesh, anew, stats);
+    return SceneImage{std::move(built), stats};
+  });
+  session_ = std::make_unique<Session>(arguments_.run, scene, std::move(image));
 }
 
 /// The tiles of a frame that must be traced, given what changed since the last.
@@ -158,7 +164,7 @@ std::vector<std::uint8_t> Renderer::called_for(const Change& change, const Scene
       radiance_.empty() || plan().everything || change.view || change.lights || change.emits;
   if (all) return std::vector<std::uint8_t>(tiles_->count(), 1);
   if (change.nothing()) return std::vector<std::uint8_t>(tiles_->count(), 0);
-  const MovedRegion region(before.mesh, animated_.scene.mesh, change, reach(),
+  const MovedRegion region(before.mesh, animated_.scene.mesh, change, reach_,
                            arguments_.run.config.format);
   return tiles_->met(region);
 }
@@ -192,15 +198,15 @@ void Renderer::trace_tiles(const std::vector<std::uint8_t>& wanted) {
 }
 
 void Renderer::render_frame(int frame) {
-  const auto begin = Clock::now();
-  const Scene before = animated_.scene;
-  if (plan().has(Effect::Motion))
-    animated_.animation.pose(animated_.scene, static_cast<std::size_t>(frame));
   if (!tiles_) {
     trace_tiles({});
     radiance_.push_back(film_.radiance());
     return;
   }
+  const auto begin = Clock::now();
+  const Scene before = animated_.scene;
+  if (plan().has(Effect::Motion))
+    animated_.animation.pose(animated_.scene, static_cast<std::size_t>(frame));
   const Change change = change_between(before, animated_.scene);
   const std::vector<std::uint8_t> wanted = called_for(change, before);
   FrameReport out{

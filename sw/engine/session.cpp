@@ -41,12 +41,10 @@ SceneImage scene_image_of(const Scene& scene, const RunOptions& options) {
     Image image = load_image_of(options.image, scene.mesh, options.config, options.scene, stats);
     return {std::move(image), stats};
   }
-  try {
+  return in_scene(options, [&] {
     Image image = build_image(scene.mesh, build_options_of(options.config), stats);
-    return {std::move(image), stats};
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", options.scene.string(), error.what()));
-  }
+    return SceneImage{std::move(image), stats};
+  });
 }
 
 HostTimes& HostTimes::operator+=(const HostTimes& other) {

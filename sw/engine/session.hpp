@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "accel/build.hpp"
+#include "base/error.hpp"
 #include "engine/engine.hpp"
 #include "engine/lock_step.hpp"
 #include "scene/scene.hpp"
@@ -68,6 +69,16 @@ struct Wave {
 
 /// How the tree of a run is to be built.
 [[nodiscard]] BuildOptions build_options_of(const Config& config);
+
+/// What `work` gives; an `Error` of it names the scene of the run first.
+template <typename Work>
+auto in_scene(const RunOptions& options, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(options.scene.string() + ": " + error.what());
+  }
+}
 
 /// The memory image of a scene and what is to be said of its tree.
 struct SceneImage {

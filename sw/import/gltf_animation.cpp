@@ -137,34 +137,6 @@ class Reader {
   const Json& json_;
 };
 
-/// Translation, rotation and scale of a node at rest.
-struct Placement {
-  glm::dvec4 translation{0.0};
-  glm::dvec4 rotation{0.0, 0.0, 0.0, 1.0};
-  glm::dvec4 scale{1.0};
-};
-
-Placement placement_of(const Json& node) {
-  Placement out;
-  const auto read = [&node](const char* key, glm::dvec4& target) {
-    if (!node.contains(key)) return;
-    const auto values = node[key].get<std::vector<double>>();
-    for (std::size_t i = 0; i < std::min<std::size_t>(values.size(), 4); ++i)
-      target[static_cast<int>(i)] = values[i];
-  };
-  read("translation", out.translation);
-  read("rotation", out.rotation);
-  read("scale", out.scale);
-  return out;
-}
-
-glm::dmat4 matrix_of(const Placement& placement) {
-  glm::dmat4 out = glm::mat4_cast(glm::normalize(quaternion(placement.rotation)));
-  for (int axis = 0; axis < 3; ++axis) out[axis] *= placement.scale[axis];
-  out[3] = {placement.translation.x, placement.translation.y, placement.translation.z, 1.0};
-  return out;
-}
-
 Pose pose_at(const Json& json, const std::vector<Track>& tracks, double time) {
   Pose pose = rest_pose(json);
   std::set<std::size_t> nodes;
@@ -179,14 +151,14 @@ Pose pose_at(const Json& json, const std::vector<Track>& tracks, double time) {
           placement.translation = value;
           break;
         case Property::Rotation:
-          placement.rotation = value;
+          placement.rotation = glm::normalize(value);
           break;
         case Property::Scale:
           placement.scale = value;
           break;
       }
     }
-    pose[node] = matrix_of(placement);
+    pose[node] = transform_of(placement);
   }
   return pose;
 }

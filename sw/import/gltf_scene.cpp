@@ -72,17 +72,7 @@ glm::dmat4 transform_of(const Json& node) {
     const auto values = node["matrix"].get<std::vector<double>>();
     if (values.size() == 16) return glm::make_mat4(values.data());
   }
-  const auto numbers = [&node](const char* key, std::vector<double> otherwise) {
-    auto out = node.value(key, otherwise);
-    return out.size() == otherwise.size() ? out : otherwise;
-  };
-  const auto t = numbers("translation", {0, 0, 0});
-  const auto r = numbers("rotation", {0, 0, 0, 1});
-  const auto s = numbers("scale", {1, 1, 1});
-  glm::dmat4 out = glm::mat4_cast(glm::dquat(r[3], r[0], r[1], r[2]));
-  for (int axis = 0; axis < 3; ++axis) out[axis] *= s[static_cast<std::size_t>(axis)];
-  out[3] = {t[0], t[1], t[2], 1.0};
-  return out;
+  return transform_of(placement_of(node));
 }
 
 Light light_of(const Json& json, std::size_t number, const std::string& file) {
@@ -144,6 +134,27 @@ std::vector<GltfValues> gltf_materials(const Json& json, const std::string& file
         fields.colour("/emissiveFactor", glm::vec3(0.0F), 1.0) * static_cast<float>(strength);
     out.push_back(std::move(values));
   }
+  return out;
+}
+
+Placement placement_of(const Json& node) {
+  Placement out;
+  const auto read = [&node](const char* key, std::size_t count, glm::dvec4& target) {
+    const auto values = node.value(key, std::vector<double>());
+    if (values.size() != count) return;
+    for (std::size_t i = 0; i < count; ++i) target[static_cast<int>(i)] = values[i];
+  };
+  read("translation", 3, out.translation);
+  read("rotation", 4, out.rotation);
+  read("scale", 3, out.scale);
+  return out;
+}
+
+glm::dmat4 transform_of(const Placement& placement) {
+  const glm::dvec4& r = placement.rotation;
+  glm::dmat4 out = glm::mat4_cast(glm::dquat(r.w, r.x, r.y, r.z));
+  for (int axis = 0; axis < 3; ++axis) out[axis] *= placement.scale[axis];
+  out[3] = glm::dvec4(glm::dvec3(placement.translation), 1.0);
   return out;
 }
 

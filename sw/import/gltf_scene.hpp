@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -19,6 +20,17 @@ namespace ti {
 /// field.
 [[nodiscard]] std::vector<GltfValues> gltf_materials(const nlohmann::json& json,
                                                      const std::string& file);
+
+/// Translation, rotation (a quaternion x y z w of unit length) and scale of a node; x y z of the
+/// first and the last.
+struct Placement {
+  glm::dvec4 translation{0.0};
+  glm::dvec4 rotation{0.0, 0.0, 0.0, 1.0};
+  glm::dvec4 scale{1.0};
+};
+/// That of a node without a matrix.
+[[nodiscard]] Placement placement_of(const nlohmann::json& node);
+[[nodiscard]] glm::dmat4 transform_of(const Placement& placement);
 
 /// The transform of each node of a file, in its parent's space.
 using Pose = std::vector<glm::dmat4>;

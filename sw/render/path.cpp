@@ -90,15 +90,15 @@ PathTracer::PathTracer(const Scene& scene, const PathOptions& options, Trace tra
       options_(options),
       trace_(std::move(trace)),
       lights_(scene),
-      bound_(scene, options.ends_dim_paths ? options.bounces : 0),
       headlight_(is_unlit(scene)) {
   EffectSet of_rays = options.effects;
   for (const Effect effect : {Effect::Lens, Effect::Roulette, Effect::Motion, Effect::DimPaths})
     of_rays.reset(static_cast<std::size_t>(effect));
   leaves_ = options.everything || of_rays.any();
-  if (options.ends_dim_paths)
-    lacking_.resize(static_cast<std::size_t>(options.width) *
-                    static_cast<std::size_t>(options.height));
+  if (!options.ends_dim_paths) return;
+  bound_.emplace(scene, options.bounces);
+  lacking_.resize(static_cast<std::size_t>(options.width) *
+                  static_cast<std::size_t>(options.height));
 }
 
 void PathTracer::render(Film& film) { render(film, morton_order(options_.width, options_.height)); }
@@ -355,7 +355,7 @@ void PathTracer::add_scattered(Shaded& out, const Path& path, const Vertex& vert
     if (least_ > 0.0) {
       const glm::dvec3& t = next.throughput;
       const double most =
-          std::max({t.x, t.y, t.z}) * bound_.arriving(options_.bounces - bounce - 1);
+          std::max({t.x, t.y, t.z}) * bound_->arriving(options_.bounces - bounce - 1);
       if (most < least_) {
         ++out.ended;
         out.lacking += most;

@@ -102,8 +102,8 @@ class PathTracer {
   PathOptions options_;
   Trace trace_;
   Lights lights_;
-  LightBound bound_;
-  double least_ = 0.0;  ///< radiance below which a path ends
+  std::optional<LightBound> bound_{};  ///< where paths end by it
+  double least_ = 0.0;                 ///< radiance below which a path ends
   std::uint64_t ended_ = 0;
   std::vector<double> lacking_{};  ///< of each pixel, summed over its samples
   bool headlight_;

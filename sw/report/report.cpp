@@ -224,9 +224,17 @@ ordered_json frames_json(const Report& report) {
                       {"references", f.tree.references},
                       {"new_cells", f.tree.new_cells},
                       {"new_references", f.tree.new_references},
-                      {"sah_cost", f.tree.sah_cost}}},
-                    {"time", {{"tree", f.tree.seconds}, {"frame", f.host_seconds}}}});
+                      {"sah_cost", f.tree.sah_cost}}}});
   }
+  return json;
+}
+
+/// Seconds that each frame took, and its tree.
+ordered_json frame_times_json(const Report& report) {
+  if (report.frames.empty()) return nullptr;
+  ordered_json json = ordered_json::array();
+  for (const FrameReport& f : report.frames)
+    json.push_back({{"frame", f.host_seconds}, {"tree", f.tree.seconds}});
   return json;
 }
 
@@ -330,6 +338,7 @@ std::string to_json(const Report& report, const Session& session) {
                   {"lock_step", total.times.lock_step},
                   {"truth", total.times.truth},
                   {"shading", report.picture.shading},
+                  {"frames", frame_times_json(report)},
                   {"host_share", report.host_share()}};
   return json.dump(2) + "\n";
 }

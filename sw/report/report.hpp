@@ -46,7 +46,7 @@ struct FrameReport {
   std::size_t traced_tiles = 0;
   std::uint64_t rays = 0;
   std::optional<std::uint64_t> cycles;
-  BuildStats tree{};  ///< as it was before, where nothing was traced
+  BuildStats tree{};  ///< zero where nothing was traced
   double host_seconds = 0.0;
 };
 

@@ -25,20 +25,6 @@ Mesh moved(Mesh mesh, std::size_t count, const glm::vec3& step) {
   return mesh;
 }
 
-/// Each leaf lists what meets its cell, and nothing that is far from it.
-void check_membership(const Mesh& mesh, const Image& image) {
-  for (const Leaf& leaf : leaves(image)) {
-    const Box wide = leaf.cell.grown(1e-4);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      const bool listed = std::binary_search(leaf.prims.begin(), leaf.prims.end(), i);
-      if (listed == overlap(mesh.corners(i), leaf.cell)) continue;
-      CAPTURE(i);
-      CHECK(listed);
-      CHECK(overlap(mesh.corners(i), wide));
-    }
-  }
-}
-
 /// t and primitive of random rays.
 std::vector<std::pair<float, std::int32_t>> answers(const Mesh& mesh, const Image& image) {
   const std::vector<Ray> rays = random_rays(mesh, 2000, 3);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "accel/build.hpp"
 #include "accel/clip.hpp"
 #include "accel/image.hpp"
 #include "portable_random.hpp"
@@ -144,6 +147,28 @@ inline bool overlap(const Corners& triangle, const Box& box) {
     }
   }
   return true;
+}
+
+/// Every leaf has exactly the triangles that it must: all that meet the cell, none farther away
+/// than the dilation allows.
+inline void check_membership(const Mesh& mesh, const Image& image) {
+  const Box box = scene_box(image);
+  const double diagonal =
+      std::hypot(box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]);
+  const double slack = 3.0 * BuildOptions{}.dilation * diagonal;
+  for (const Leaf& leaf : leaves(image)) {
+    const Box wide = leaf.cell.grown(slack);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const Corners corners = mesh.corners(i);
+      const bool listed = std::binary_search(leaf.prims.begin(), leaf.prims.end(), i);
+      if (listed != overlap(corners, leaf.cell)) {
+        CAPTURE(i);
+        CHECK(listed);
+        CHECK(overlap(corners, wide));
+      }
+    }
+    CHECK(std::adjacent_find(leaf.prims.begin(), leaf.prims.end()) == leaf.prims.end());
+  }
 }
 
 }  // namespace ti

@@ -123,6 +123,15 @@ def test_a_frame_by_its_number_is_that_of_the_animation(tiny, tmp_path, block):
     assert not (out / "frame-0000.png").exists()
 
 
+def test_two_runs_give_one_report_but_for_times(tiny, tmp_path, block):
+    reports = []
+    for name in ("one", "two"):
+        report, _ = render(tiny, tmp_path / name, block, "--effects", "none+motion")
+        assert len(report["time"]["frames"]) == FRAMES
+        reports.append({key: report[key] for key in report if key not in ("sim", "time")})
+    assert reports[0] == reports[1]
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

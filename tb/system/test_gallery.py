@@ -58,6 +58,15 @@ def test_bad_words_are_refused(tiny, out, words, said):
     make("gallery", out, **(WORDS | words)).refused(said)
 
 
+def test_a_picture_that_is_refused_is_not_the_one_before(tiny, out):
+    make("gallery", out, SCENES="cornell", **WORDS).good()
+    before = (out / "index.html").read_bytes()
+    again = make("gallery", out, SCENES="cornell", **(WORDS | {"BOUNCES": 1000}))
+    assert again.status == 2
+    assert "BOUNCES=1000" in again.stderr
+    assert (out / "index.html").read_bytes() == before
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """A function that gives the path of a scene that the project makes."""
