@@ -30,6 +30,8 @@ rtl/mem/ti_axi_read.sv
 rtl/mem/ti_memory.sv
 rtl/traverse/common/ti_rd_axis.sv
 rtl/traverse/common/ti_rd_clip.sv
+rtl/traverse/common/ti_rd_thick.sv
+rtl/traverse/common/ti_rd_shear.sv
 rtl/traverse/common/ti_rd.sv
 rtl/traverse/common/ti_trv_visits.sv
 rtl/traverse/common/ti_trv_leaves.sv
@@ -39,6 +41,7 @@ rtl/traverse/common/ti_trv_return.sv
 rtl/traverse/common/ti_trv_account.sv
 rtl/traverse/kd/ti_kd_step.sv
 rtl/traverse/kd/ti_kd_decide.sv
+rtl/traverse/kd/ti_kd_decide_padded.sv
 rtl/traverse/kd/ti_kd_state.sv
 rtl/traverse/kd/ti_trv.sv
 rtl/traverse/ti_traverse.sv
@@ -48,6 +51,9 @@ rtl/intersect/ti_ist1_pipe.sv
 rtl/intersect/ti_ist1_egress.sv
 rtl/intersect/ti_ist1.sv
 rtl/intersect/ti_ist2.sv
+rtl/intersect/woop/ti_woop_pipe.sv
+rtl/intersect/woop/ti_woop_ist1.sv
+rtl/intersect/woop/ti_woop_ist2.sv
 rtl/intersect/ti_ist1_choice.sv
 rtl/intersect/ti_intersect.sv
 rtl/top/ti_core.sv

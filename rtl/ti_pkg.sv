@@ -75,11 +75,16 @@ package ti_pkg;
     trv_slot_t  slot;
   } home_t;
 
-  /// What a triangle test needs of a ray.  A test with constants of its own for each ray adds them here and
-  /// has RD compute them.
+  localparam int unsigned ShearAxisWidth =
+      (ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestWoop) ? 2 : 1;
+
+  /// What a triangle test needs of a ray: of Shevtsov's test origin and direction, with `z` 0; of Woop's the origin,
+  /// the axis of the largest |d|, the shear along x = z + 1 and y = z + 2 and the inverse of d along z
+  /// (`ti_rd_shear`), in this order from d[0].
   typedef struct packed {
-    vec3_t o;
-    vec3_t d;
+    vec3_t                     o;
+    vec3_t                     d;
+    logic [ShearAxisWidth-1:0] z;
   } ray_operands_t;
 
   /// Traversal -> intersection: a leaf that a ray has reached.

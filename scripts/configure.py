@@ -181,6 +181,7 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
             f"{config['cores']}"
         )
     check_reciprocal(path, config)
+    check_record(path, config)
     for unit in READERS:
         check_l1(path, config, unit)
         check_l2(path, config, unit)
@@ -205,6 +206,17 @@ def check_reciprocal(path: Path, config: dict[str, int]) -> None:
         raise ConfigError(
             f"{path}: fp_add_stages is {config['fp_add_stages']}, "
             f"but must be at most the stages of the reciprocal, {stages}"
+        )
+
+
+def check_record(path: Path, config: dict[str, object]) -> None:
+    """A line holds a record of Woop's test: nine coordinates and the triangle's number."""
+    bits = 9 * (1 + config["exp_bits"] + config["frac_bits"]) + 32
+    least = 32 if bits <= 256 else 64
+    if config["triangle_test"] == "woop" and config["line_bytes"] < least:
+        raise ConfigError(
+            f"{path}: line_bytes is {config['line_bytes']}, but a record of the triangle test woop "
+            f"asks for at least {least}"
         )
 
 

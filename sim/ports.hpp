@@ -62,7 +62,7 @@ inline void set_scene(Vti_engine& top, const Image& image) {
     for (std::uint32_t bits : corner) scene.put(bits, kFpWidth);
   }
   for (std::uint32_t offset :
-       {parts.bary_offset, parts.plane_offset, parts.list_offset, parts.node_offset}) {
+       {parts.bary_offset, parts.record_offset(), parts.list_offset, parts.node_offset}) {
     scene.put(Memory::kBase + offset, config::kAddrBits);
   }
   scene.put(parts.triangle_count, 29);

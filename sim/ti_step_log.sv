@@ -15,11 +15,14 @@ module ti_step_log (
   input ti_pkg::node_index_t end_index_i,
   input ti_kd_pkg::node_t    end_node_i,
   input ti_pkg::fp_t         end_t_i,
+  input ti_pkg::fp_t         end_t_most_i,
   input ti_pkg::fp_t         tmax_i,
-  input logic                push_i,
+  input logic                both_i,
   input ti_pkg::node_index_t next_node_i,
   input ti_pkg::node_index_t far_i
 );
+
+  localparam bit Padded = ti_config_pkg::Traversal == ti_config_pkg::TraversalPadded;
 
   bit on;
   bit here_q;  // the ray is at home in this unit
@@ -49,12 +52,12 @@ module ti_step_log (
       file = $fopen(path, "a");
       if (end_node_i.axis == 2'd3) begin
         $fdisplay(file, "node %0d leaf %0d exit %08x", end_index_i, end_node_i.link, tmax_i);
-      end else if (push_i) begin
-        $fdisplay(file, "node %0d t %08x both", end_index_i, end_t_i);
-      end else if (next_node_i == far_i) begin
-        $fdisplay(file, "node %0d t %08x far", end_index_i, end_t_i);
       end else begin
-        $fdisplay(file, "node %0d t %08x near", end_index_i, end_t_i);
+        $fwrite(file, "node %0d t %08x", end_index_i, end_t_i);
+        if (Padded) $fwrite(file, " %08x", end_t_most_i);
+        if (both_i) $fdisplay(file, " both");
+        else if (next_node_i == far_i) $fdisplay(file, " far");
+        else $fdisplay(file, " near");
       end
       $fclose(file);
     end
@@ -64,16 +67,17 @@ endmodule : ti_step_log
 
 bind ti_trv ti_step_log u_step_log (
   .clk_i,
-  .start_i    (start),
-  .new_slot_i (new_slot),
-  .ray_id_i   (dispatch_data_i.ray_id),
-  .end_valid_i(end_valid),
-  .end_slot_i (end_slot),
-  .end_index_i(end_index),
-  .end_node_i (end_node),
-  .end_t_i    (end_t),
-  .tmax_i     (tmax),
-  .push_i     (push),
-  .next_node_i(next_node),
-  .far_i      (far_node)
+  .start_i     (start),
+  .new_slot_i  (new_slot),
+  .ray_id_i    (dispatch_data_i.ray_id),
+  .end_valid_i (end_valid),
+  .end_slot_i  (end_slot),
+  .end_index_i (end_index),
+  .end_node_i  (end_node),
+  .end_t_i     (end_t),
+  .end_t_most_i(end_t_most),
+  .tmax_i      (tmax),
+  .both_i      (both),
+  .next_node_i (next_node),
+  .far_i       (far_node)
 );

@@ -4,8 +4,8 @@
 
 /// The intersection cluster: leaves in, results of their triangle tests out, to the home of the ray.
 ///
-/// LISTs read the triangle numbers of a leaf, IST1s do passes (a) and (b), one IST2 pass (c).  Another triangle test
-/// stands behind the same ports.  For each leaf taken, return tokens whose counts add up to the leaf's come out,
+/// LISTs read the triangle numbers of a leaf, IST1s do passes (a) and (b), one IST2 pass (c).  The units of Woop's test
+/// (`ti_woop_ist1`, `ti_woop_ist2`) stand in the places of Shevtsov's, with records at `plane_base_i`.  For each leaf taken, return tokens whose counts add up to the leaf's come out,
 /// in any order.  Results never wait for leaves to be taken.
 ///
 /// LIST l serves the TRVs l, l + NumList, l + 2 NumList, ...  `ti_ist1_choice` names the IST1 of a test, anew in
@@ -63,13 +63,21 @@ module ti_intersect #(
 
   logic [NumIst1-1:0] ist1_test_valid, ist1_test_ready, ist1_crowded, ist1_idle;
   ti_intersect_pkg::test_t ist1_test_data[NumIst1];
+  localparam bit Woop = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestWoop;
+  localparam int unsigned CandidateWidth = Woop ? $bits(
+      ti_intersect_pkg::woop_candidate_t
+  ) : $bits(
+      ti_intersect_pkg::candidate_t
+  );
+  typedef logic [CandidateWidth-1:0] candidate_t;
+
   logic [NumIst1-1:0] candidate_valid, candidate_ready, candidate_lost;
-  ti_intersect_pkg::candidate_t candidate_data[NumIst1];
+  candidate_t candidate_data[NumIst1];
   ti_count_pkg::ist1_events_t ist1_events[NumIst1];
 
   logic ist2_candidate_valid, ist2_candidate_ready, ist2_idle;
-  ti_intersect_pkg::candidate_t ist2_candidate_data;
-  ti_count_pkg::ist2_events_t   ist2_events;
+  candidate_t ist2_candidate_data;
+  ti_count_pkg::ist2_events_t ist2_events;
 
   // Return tokens: IST1s, then IST2, then the LISTs' errors.
   localparam int unsigned NumReturn = NumIst1 + 2;
@@ -172,38 +180,74 @@ module ti_intersect #(
 
   // ---- IST1s.
   for (genvar i = 0; i < NumIst1; i++) begin : gen_ist1
-    ti_ist1 #(
-      .NumSlots  (ti_config_pkg::Ist1Slots),
-      .Rows      (ti_config_pkg::Ist1Rows),
-      .CacheBytes(ti_config_pkg::Ist1L1Bytes),
-      .Ways      (ti_config_pkg::Ist1L1Ways),
-      .Spill     (ti_config_pkg::Ist1Spill),
-      .EarlyExit (ti_config_pkg::EarlyExit)
-    ) u_ist1 (
-      .clk_i,
-      .rst_ni,
-      .flush_i,
-      .idle_o           (ist1_idle[i]),
-      .plane_base_i,
-      .bary_base_i,
-      .test_valid_i     (ist1_test_valid[i]),
-      .test_ready_o     (ist1_test_ready[i]),
-      .test_data_i      (ist1_test_data[i]),
-      .crowded_o        (ist1_crowded[i]),
-      .candidate_valid_o(candidate_valid[i]),
-      .candidate_ready_i(candidate_ready[i]),
-      .candidate_data_o (candidate_data[i]),
-      .return_valid_o   (result_valid[i]),
-      .return_ready_i   (result_ready[i]),
-      .return_data_o    (result_data[i]),
-      .line_req_valid_o (line_req_valid_o[NumList+i]),
-      .line_req_ready_i (line_req_ready_i[NumList+i]),
-      .line_req_data_o  (line_req_data_o[NumList+i]),
-      .line_rsp_valid_i (line_rsp_valid_i[NumList+i]),
-      .line_rsp_ready_o (line_rsp_ready_o[NumList+i]),
-      .line_rsp_data_i  (line_rsp_data_i[NumList+i]),
-      .events_o         (ist1_events[i])
-    );
+    if (Woop) begin : gen_woop
+      ti_woop_ist1 #(
+        .NumSlots  (ti_config_pkg::Ist1Slots),
+        .Rows      (ti_config_pkg::Ist1Rows),
+        .CacheBytes(ti_config_pkg::Ist1L1Bytes),
+        .Ways      (ti_config_pkg::Ist1L1Ways),
+        .Spill     (ti_config_pkg::Ist1Spill),
+        .EarlyExit (ti_config_pkg::EarlyExit)
+      ) u_ist1 (
+        .clk_i,
+        .rst_ni,
+        .flush_i,
+        .idle_o           (ist1_idle[i]),
+        .corner_base_i    (plane_base_i),
+        .test_valid_i     (ist1_test_valid[i]),
+        .test_ready_o     (ist1_test_ready[i]),
+        .test_data_i      (ist1_test_data[i]),
+        .crowded_o        (ist1_crowded[i]),
+        .candidate_valid_o(candidate_valid[i]),
+        .candidate_ready_i(candidate_ready[i]),
+        .candidate_data_o (candidate_data[i]),
+        .return_valid_o   (result_valid[i]),
+        .return_ready_i   (result_ready[i]),
+        .return_data_o    (result_data[i]),
+        .line_req_valid_o (line_req_valid_o[NumList+i]),
+        .line_req_ready_i (line_req_ready_i[NumList+i]),
+        .line_req_data_o  (line_req_data_o[NumList+i]),
+        .line_rsp_valid_i (line_rsp_valid_i[NumList+i]),
+        .line_rsp_ready_o (line_rsp_ready_o[NumList+i]),
+        .line_rsp_data_i  (line_rsp_data_i[NumList+i]),
+        .events_o         (ist1_events[i])
+      );
+      logic unused_bary;
+      assign unused_bary = ^bary_base_i;
+    end else begin : gen_shevtsov
+      ti_ist1 #(
+        .NumSlots  (ti_config_pkg::Ist1Slots),
+        .Rows      (ti_config_pkg::Ist1Rows),
+        .CacheBytes(ti_config_pkg::Ist1L1Bytes),
+        .Ways      (ti_config_pkg::Ist1L1Ways),
+        .Spill     (ti_config_pkg::Ist1Spill),
+        .EarlyExit (ti_config_pkg::EarlyExit)
+      ) u_ist1 (
+        .clk_i,
+        .rst_ni,
+        .flush_i,
+        .idle_o           (ist1_idle[i]),
+        .plane_base_i,
+        .bary_base_i,
+        .test_valid_i     (ist1_test_valid[i]),
+        .test_ready_o     (ist1_test_ready[i]),
+        .test_data_i      (ist1_test_data[i]),
+        .crowded_o        (ist1_crowded[i]),
+        .candidate_valid_o(candidate_valid[i]),
+        .candidate_ready_i(candidate_ready[i]),
+        .candidate_data_o (candidate_data[i]),
+        .return_valid_o   (result_valid[i]),
+        .return_ready_i   (result_ready[i]),
+        .return_data_o    (result_data[i]),
+        .line_req_valid_o (line_req_valid_o[NumList+i]),
+        .line_req_ready_i (line_req_ready_i[NumList+i]),
+        .line_req_data_o  (line_req_data_o[NumList+i]),
+        .line_rsp_valid_i (line_rsp_valid_i[NumList+i]),
+        .line_rsp_ready_o (line_rsp_ready_o[NumList+i]),
+        .line_rsp_data_i  (line_rsp_data_i[NumList+i]),
+        .events_o         (ist1_events[i])
+      );
+    end
 
     always_comb begin
       ist1_events_o[i] = ist1_events[i];
@@ -216,7 +260,7 @@ module ti_intersect #(
 
   // ---- IST2.
   ti_arbiter #(
-    .payload_t(ti_intersect_pkg::candidate_t),
+    .payload_t(candidate_t),
     .NumIn    (NumIst1)
   ) u_candidates (
     .clk_i,
@@ -230,18 +274,33 @@ module ti_intersect #(
     .out_data_o (ist2_candidate_data)
   );
 
-  ti_ist2 u_ist2 (
-    .clk_i,
-    .rst_ni,
-    .idle_o           (ist2_idle),
-    .candidate_valid_i(ist2_candidate_valid),
-    .candidate_ready_o(ist2_candidate_ready),
-    .candidate_data_i (ist2_candidate_data),
-    .return_valid_o   (result_valid[NumIst1]),
-    .return_ready_i   (result_ready[NumIst1]),
-    .return_data_o    (result_data[NumIst1]),
-    .events_o         (ist2_events)
-  );
+  if (Woop) begin : gen_woop_ist2
+    ti_woop_ist2 u_ist2 (
+      .clk_i,
+      .rst_ni,
+      .idle_o           (ist2_idle),
+      .candidate_valid_i(ist2_candidate_valid),
+      .candidate_ready_o(ist2_candidate_ready),
+      .candidate_data_i (ist2_candidate_data),
+      .return_valid_o   (result_valid[NumIst1]),
+      .return_ready_i   (result_ready[NumIst1]),
+      .return_data_o    (result_data[NumIst1]),
+      .events_o         (ist2_events)
+    );
+  end else begin : gen_ist2
+    ti_ist2 u_ist2 (
+      .clk_i,
+      .rst_ni,
+      .idle_o           (ist2_idle),
+      .candidate_valid_i(ist2_candidate_valid),
+      .candidate_ready_o(ist2_candidate_ready),
+      .candidate_data_i (ist2_candidate_data),
+      .return_valid_o   (result_valid[NumIst1]),
+      .return_ready_i   (result_ready[NumIst1]),
+      .return_data_o    (result_data[NumIst1]),
+      .events_o         (ist2_events)
+    );
+  end
 
   always_comb begin
     ist2_events_o = ist2_events;

@@ -43,4 +43,28 @@ package ti_intersect_pkg;
     ti_pkg::fp_t   detv;
   } candidate_t;
 
+  /// Bytes of a packed record of Woop's test, and that record: corners of nine coordinates, the triangle.
+  localparam int unsigned CornerBytes = (9 * ti_num_pkg::FpWidth + 32 <= 256) ? 32 : 64;
+
+  typedef struct packed {
+    ti_pkg::prim_t       prim;
+    ti_pkg::vec3_t [2:0] p;
+  } corners_t;
+
+  /// Of Woop's test: the edge functions, each the weight of a corner, the corners' ways along z, and the inverse of
+  /// the direction along z.
+  typedef struct packed {
+    ti_pkg::vec3_t weight;
+    ti_pkg::vec3_t z;
+    ti_pkg::fp_t   sz;
+  } edges_t;
+
+  /// IST1 -> IST2 of Woop's test: the ray passes between the corners, or, where tests do not end early, any.
+  typedef struct packed {
+    ti_pkg::home_t home;
+    logic          miss;
+    ti_pkg::prim_t prim;
+    edges_t        edges;
+  } woop_candidate_t;
+
 endpackage : ti_intersect_pkg

@@ -20,7 +20,9 @@ module ti_ist1 #(
   /// A test ends with the pass that it fails.
   parameter bit EarlyExit = 1'b1,
   localparam int unsigned OperandLatency = 1,  // slot memories
-  localparam int unsigned PipeLatency = 4 * ti_fp_pkg::AddLatency + 3 * ti_fp_pkg::MulLatency + 1,
+  localparam bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
+  localparam int unsigned PipeLatency = (Np ? 5 : 4) * ti_fp_pkg::AddLatency +
+      3 * ti_fp_pkg::MulLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
 ) (
   input  logic              clk_i,
@@ -339,10 +341,7 @@ module ti_ist1 #(
     .miss_i       (result_valid && !result_keep && EarlyExit),
     .result_slot_i(result_tag.slot),
     .prim_i       (result_tag.prim),
-    .det_i        (result_det),
-    .dett_i       (result_dett),
-    .detu_i       (result_x),
-    .detv_i       (result_y),
+    .values_i     ({result_det, result_dett, result_x, result_y}),
     .failed_i     (issue_error_q),
     .failed_slot_i(issue_slot_q),
     .candidate_valid_o,

@@ -10,8 +10,15 @@
 /// output goes before the one served last, and of misses and errors the kind that did not go last.  So a candidate
 /// waits for at most one token, a token for at most three others.  2 cycles from result to output.
 module ti_ist1_egress #(
-  parameter  int unsigned NumSlots  = 8,
-  localparam int unsigned SlotWidth = $clog2(NumSlots)
+  parameter int unsigned NumSlots = 8,
+  /// Bits of what the test leaves for IST2.
+  parameter int unsigned ValuesWidth = 4 * ti_num_pkg::FpWidth,
+  localparam int unsigned SlotWidth = $clog2(NumSlots),
+  localparam int unsigned CandidateWidth = $bits(
+      ti_pkg::home_t
+  ) + 1 + $bits(
+      ti_pkg::prim_t
+  ) + ValuesWidth
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -22,23 +29,20 @@ module ti_ist1_egress #(
   input ti_pkg::home_t                 take_home_i,
 
   // A result of the pipeline: for IST2, where it may be a miss all the same; or a miss.
-  input logic                          inside_i,
-  input logic                          inside_miss_i,
-  input logic                          miss_i,
-  input logic          [SlotWidth-1:0] result_slot_i,
-  input ti_pkg::prim_t                 prim_i,
-  input ti_pkg::fp_t                   det_i,
-  input ti_pkg::fp_t                   dett_i,
-  input ti_pkg::fp_t                   detu_i,
-  input ti_pkg::fp_t                   detv_i,
+  input logic                            inside_i,
+  input logic                            inside_miss_i,
+  input logic                            miss_i,
+  input logic          [  SlotWidth-1:0] result_slot_i,
+  input ti_pkg::prim_t                   prim_i,
+  input logic          [ValuesWidth-1:0] values_i,
 
   // Memory failed a test.
   input logic                 failed_i,
   input logic [SlotWidth-1:0] failed_slot_i,
 
-  output logic                         candidate_valid_o,
-  input  logic                         candidate_ready_i,
-  output ti_intersect_pkg::candidate_t candidate_data_o,
+  output logic                      candidate_valid_o,
+  input  logic                      candidate_ready_i,
+  output logic [CandidateWidth-1:0] candidate_data_o,   // home, miss, prim, values
 
   output logic            return_valid_o,
   input  logic            return_ready_i,
@@ -51,13 +55,10 @@ module ti_ist1_egress #(
   typedef logic [SlotWidth-1:0] slot_t;
 
   typedef struct packed {
-    slot_t         slot;
-    logic          miss;
-    ti_pkg::prim_t prim;
-    ti_pkg::fp_t   det;
-    ti_pkg::fp_t   dett;
-    ti_pkg::fp_t   detu;
-    ti_pkg::fp_t   detv;
+    slot_t                  slot;
+    logic                   miss;
+    ti_pkg::prim_t          prim;
+    logic [ValuesWidth-1:0] values;
   } inside_t;
 
   ti_pkg::home_t home_q[NumSlots];
@@ -77,17 +78,7 @@ module ti_ist1_egress #(
     .clk_i,
     .rst_ni,
     .push_i(inside_i),
-    .push_data_i(
-    '{
-        slot: result_slot_i,
-        miss: inside_miss_i,
-        prim: prim_i,
-        det: det_i,
-        dett: dett_i,
-        detu: detu_i,
-        detv: detv_i
-    }
-    ),
+    .push_data_i('{slot: result_slot_i, miss: inside_miss_i, prim: prim_i, values: values_i}),
     .out_valid_o(inside_waits),
     .out_ready_i(inside_goes),
     .out_data_o(kept)
@@ -146,16 +137,8 @@ module ti_ist1_egress #(
   assign give_o      = inside_goes || return_goes;
   assign give_slot_o = inside_goes ? kept.slot : result_slot;
 
-  ti_intersect_pkg::candidate_t candidate;
-  assign candidate = '{
-          home: home_q[kept.slot],
-          miss: kept.miss,
-          prim: kept.prim,
-          det: kept.det,
-          dett: kept.dett,
-          detu: kept.detu,
-          detv: kept.detv
-      };
+  logic [CandidateWidth-1:0] candidate;
+  assign candidate = {home_q[kept.slot], kept.miss, kept.prim, kept.values};
 
   ti_pkg::return_t result;
   always_comb begin
@@ -167,7 +150,7 @@ module ti_ist1_egress #(
 
   // Filled only while they have room, so nothing waits at their inputs.
   ti_stage #(
-    .payload_t(ti_intersect_pkg::candidate_t)
+    .payload_t(logic [CandidateWidth-1:0])
   ) u_candidate_stage (
     .clk_i,
     .rst_ni,

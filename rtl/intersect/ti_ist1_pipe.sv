@@ -6,7 +6,9 @@
 /// Passes (a) and (b) of the ray-triangle test on one set of 7 ADD, 8 MUL and 2 CMP; 7 MUL and 1 CMP without the cull
 /// against the near end (`ti_config_pkg::IntervalCull`).
 ///
-/// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p).
+/// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p), or with `Np` as
+/// published: then G2 takes o in place of a, X2 gives m = nu*ou + nv*ov, X3 m + ow, and one more ADD, X4, dett = np -
+/// that; latency and the rest are as if X4 stood behind X3 in both passes.
 /// One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
 /// time and serves both passes there.  No stall.
 ///
@@ -26,13 +28,16 @@
 module ti_ist1_pipe #(
   /// Width of what travels along untouched.
   parameter int unsigned TagWidth = 1,
+  /// The test as published.
+  parameter bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
   localparam int unsigned TimeH = ti_fp_pkg::MulLatency,
   localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeX1 = TimeG2 + ti_fp_pkg::MulLatency,
   localparam int unsigned TimeG3 = TimeX1 + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeX2 = TimeG3 + ti_fp_pkg::MulLatency,
   localparam int unsigned TimeX3 = TimeX2 + ti_fp_pkg::AddLatency,
-  localparam int unsigned TimeEnd = TimeX3 + ti_fp_pkg::AddLatency,
+  localparam int unsigned TimeX4 = TimeX3 + ti_fp_pkg::AddLatency,
+  localparam int unsigned TimeEnd = TimeX4 + (Np ? ti_fp_pkg::AddLatency : 0),
   localparam int unsigned Latency = TimeEnd + 1
 ) (
   input logic clk_i,
@@ -186,7 +191,7 @@ module ti_ist1_pipe #(
   ) u_h_w (
     .clk_i,
     .rst_ni,
-    .valid_i(at_h && !b_h),
+    .valid_i(at_h && !b_h && !Np),
     .a_i(p_h[2]),
     .b_i(o_h[2]),
     .negate_b_i(1'b1),
@@ -220,7 +225,22 @@ module ti_ist1_pipe #(
     .data_o({g2_k1, g2_k0})
   );
 
-  fp_t g2_0, g2_1;
+  fp_t g2_0, g2_1, g2_a0, g2_a1;
+  if (Np) begin : gen_from_o
+    fp_t [1:0] o_g2;
+    ti_delay #(
+      .payload_t(logic [2*W-1:0]),
+      .Cycles   (TimeG2 - TimeH)
+    ) u_o_to_g2 (
+      .clk_i,
+      .rst_ni,
+      .data_i(o_h[1:0]),
+      .data_o(o_g2)
+    );
+    assign {g2_a1, g2_a0} = pass_b_q[TimeG2-1] ? {h_v, h_u} : o_g2;
+  end else begin : gen_from_a
+    assign {g2_a1, g2_a0} = {h_v, h_u};
+  end
   ti_fp_mul #(
     .ExpBits (E),
     .FracBits(M)
@@ -229,7 +249,7 @@ module ti_ist1_pipe #(
     .rst_ni,
     .valid_i(valid_q[TimeG2-1]),
     .a_i(g2_k0),
-    .b_i(h_u),
+    .b_i(g2_a0),
     .valid_o(),
     .result_o(g2_0)
   );
@@ -241,7 +261,7 @@ module ti_ist1_pipe #(
     .rst_ni,
     .valid_i(valid_q[TimeG2-1]),
     .a_i(g2_k1),
-    .b_i(h_v),
+    .b_i(g2_a1),
     .valid_o(),
     .result_o(g2_1)
   );
@@ -403,11 +423,11 @@ module ti_ist1_pipe #(
   assign b_x3 = pass_b_q[TimeX3-1];
   ti_delay #(
     .payload_t(fp_t),
-    .Cycles   (TimeX3 - TimeG2)
+    .Cycles   (Np ? TimeX3 - TimeH : TimeX3 - TimeG2)
   ) u_aw_to_x3 (
     .clk_i,
     .rst_ni,
-    .data_i(h_w),
+    .data_i(Np ? o_h[2] : h_w),
     .data_o(aw_x3)
   );
   ti_delay #(
@@ -432,6 +452,46 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(x3)
   );
+
+  // TimeX4, of the test as published.
+  fp_t x3_end;
+  if (Np) begin : gen_x4
+    fp_t np_x4, x3_late, x4;
+    ti_delay #(
+      .payload_t(fp_t),
+      .Cycles   (TimeX4 - TimeH)
+    ) u_np_to_x4 (
+      .clk_i,
+      .rst_ni,
+      .data_i(p_h[2]),
+      .data_o(np_x4)
+    );
+    ti_fp_add #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_x4 (
+      .clk_i,
+      .rst_ni,
+      .valid_i(valid_q[TimeX4-1] && !pass_b_q[TimeX4-1]),
+      .a_i(np_x4),
+      .b_i(x3),
+      .negate_b_i(1'b1),
+      .valid_o(),
+      .result_o(x4)
+    );
+    ti_delay #(
+      .payload_t(fp_t),
+      .Cycles   (TimeEnd - TimeX4)
+    ) u_x3_to_end (
+      .clk_i,
+      .rst_ni,
+      .data_i(x3),
+      .data_o(x3_late)
+    );
+    assign x3_end = pass_b_q[TimeEnd-1] ? x3_late : x4;
+  end else begin : gen_no_x4
+    assign x3_end = x3;
+  end
 
   // TimeEnd.
   fp_t x1_end, x2_end, limit, audet, av_end, given_end, dett_end;  // given: (a) tfar; (b) det
@@ -491,7 +551,7 @@ module ti_ist1_pipe #(
     .pass_b_i (b_end),
     .x1_i     (x1_end),
     .x2_i     (x2_end),
-    .x3_i     (x3),
+    .x3_i     (x3_end),
     .given_i  (given_end),
     .limit_i  (limit),
     .nearest_i(nearest),
@@ -502,7 +562,7 @@ module ti_ist1_pipe #(
     if (valid_q[TimeEnd-1]) begin
       keep_o <= keep;
       det_o  <= b_end ? given_end : x1_end;
-      dett_o <= b_end ? dett_end : x3;
+      dett_o <= b_end ? dett_end : x3_end;
       x_o    <= b_end ? x1_end : audet;
       y_o    <= b_end ? x2_end : av_end;
       tag_o  <= tag_end;

@@ -97,6 +97,7 @@ module ti_traverse #(
       .WatchdogSteps(ti_config_pkg::WatchdogSteps),
       .AnyHit       (ti_config_pkg::AnyHit),
       .Restart      (ti_config_pkg::Restart),
+      .Padded       (ti_config_pkg::Traversal == ti_config_pkg::TraversalPadded),
       .Rows         (ti_config_pkg::TrvRows),
       .CacheBytes   (ti_config_pkg::TrvL1Bytes),
       .Ways         (ti_config_pkg::TrvL1Ways)

@@ -92,7 +92,7 @@ class Emitter {
   Emitter(const KdTree& tree, const KdRules& rules, const BuildOptions& options,
           const PreparedTriangles& prepared, BuildStats& stats)
       : tree_(tree), rules_(rules), options_(options), prepared_(prepared), stats_(stats) {
-    record_of_.assign(prepared.planes.size(), kUnplaced);
+    record_of_.assign(prepared.prims.size(), kUnplaced);
     nodes.reserve(tree.nodes.size());
     list.reserve(tree.references.size());
     place(0, rules.box, 0);
@@ -103,12 +103,14 @@ class Emitter {
   std::vector<std::uint32_t> list;
   std::vector<ImagePlane> planes;
   std::vector<ImageBary> barys;
+  std::vector<std::uint8_t> corners;  ///< packed records of Woop's test
 
  private:
   static constexpr std::uint32_t kUnplaced = 0xFFFFFFFFU;
 
   void place(std::uint32_t index, const Box& box, int depth);
   void place_leaf(const KdNode& leaf);
+  void place_record(std::uint32_t triangle);
 
   const KdTree& tree_;
   const KdRules& rules_;
@@ -116,7 +118,27 @@ class Emitter {
   const PreparedTriangles& prepared_;
   BuildStats& stats_;
   std::vector<std::uint32_t> record_of_;
+  std::uint32_t records_ = 0;
 };
+
+void Emitter::place_record(std::uint32_t triangle) {
+  record_of_[triangle] = records_++;
+  if (options_.test != TestKind::Woop) {
+    planes.push_back(prepared_.planes[triangle]);
+    barys.push_back(prepared_.barys[triangle]);
+    return;
+  }
+  ImageCorners record{};
+  record.prim = prepared_.prims[triangle];
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float x = prepared_.corners[triangle][corner][static_cast<glm::length_t>(axis)];
+      record.p[corner][axis] = round_to_bits(options_.format, double{x});
+    }
+  }
+  const std::vector<std::uint8_t> bytes = pack(record, options_.format);
+  corners.insert(corners.end(), bytes.begin(), bytes.end());
+}
 
 void Emitter::place_leaf(const KdNode& leaf) {
   ++stats_.leaves;
@@ -125,11 +147,7 @@ void Emitter::place_leaf(const KdNode& leaf) {
   nodes.push_back({static_cast<std::uint32_t>(list.size()), leaf.second << 3U | 3U});
   for (std::uint32_t i = 0; i < leaf.second; ++i) {
     const std::uint32_t triangle = tree_.references[leaf.first + i];
-    if (record_of_[triangle] == kUnplaced) {
-      record_of_[triangle] = static_cast<std::uint32_t>(planes.size());
-      planes.push_back(prepared_.planes[triangle]);
-      barys.push_back(prepared_.barys[triangle]);
-    }
+    if (record_of_[triangle] == kUnplaced) place_record(triangle);
     list.push_back(record_of_[triangle]);
   }
 }
@@ -165,8 +183,11 @@ void Emitter::place(std::uint32_t index, const Box& box, int depth) {
 /// A section to be written.
 struct Section {
   template <typename T>
-  Section(SectionKind what, const std::vector<T>& elements)
-      : kind(what), data(elements.data()), bytes(elements.size() * sizeof(T)), element(sizeof(T)) {}
+  Section(SectionKind what, const std::vector<T>& elements, std::size_t element_bytes = sizeof(T))
+      : kind(what),
+        data(elements.data()),
+        bytes(elements.size() * sizeof(T)),
+        element(element_bytes) {}
 
   SectionKind kind;
   const void* data;
@@ -175,9 +196,14 @@ struct Section {
 };
 
 Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& options) {
-  const std::array sections{
-      Section(SectionKind::Nodes, parts.nodes), Section(SectionKind::List, parts.list),
-      Section(SectionKind::Planes, parts.planes), Section(SectionKind::Barys, parts.barys)};
+  std::vector sections{Section(SectionKind::Nodes, parts.nodes),
+                       Section(SectionKind::List, parts.list)};
+  if (options.test == TestKind::Woop) {
+    sections.emplace_back(SectionKind::Corners, parts.corners, corner_bytes(options.format));
+  } else {
+    sections.emplace_back(SectionKind::Planes, parts.planes);
+    sections.emplace_back(SectionKind::Barys, parts.barys);
+  }
   const std::size_t first =
       section_end(sizeof(ImageHeader) + sections.size() * sizeof(ImageSection));
   std::size_t size = first;
@@ -193,6 +219,7 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   header.size_bytes = static_cast<std::uint32_t>(size);
   header.exp_bits = static_cast<std::uint8_t>(options.format.exp_bits);
   header.frac_bits = static_cast<std::uint8_t>(options.format.frac_bits);
+  header.test = options.test;
   header.layout = options.layout == Layout::kOdfl ? 0 : 1;
   header.section_count = static_cast<std::uint32_t>(sections.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -242,7 +269,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats) {
   const auto begin = std::chrono::steady_clock::now();
   stats = {};
-  const PreparedTriangles prepared = prepare_triangles(mesh, options.format);
+  const PreparedTriangles prepared = prepare_triangles(mesh, options.format, options.test);
   const KdRules rules = make_rules(prepared.corners, options, std::nullopt);
   const KdTree tree = build_kd_tree(prepared.corners, rules);
   Image image = image_of(mesh, tree, rules, options, prepared, stats);
@@ -268,12 +295,10 @@ MovingTree::~MovingTree() = default;
 Image MovingTree::next(const Mesh& mesh, bool anew, BuildStats& stats) {
   const auto begin = std::chrono::steady_clock::now();
   stats = {};
-  PreparedTriangles prepared = prepare_triangles(mesh, state_->options.format);
+  PreparedTriangles prepared =
+      prepare_triangles(mesh, state_->options.format, state_->options.test);
   const PreparedTriangles& last = state_->prepared;
-  const auto same_prim = [](const ImagePlane& a, const ImagePlane& b) { return a.prim == b.prim; };
-  const bool same =
-      state_->rules && std::equal(last.planes.begin(), last.planes.end(), prepared.planes.begin(),
-                                  prepared.planes.end(), same_prim);
+  const bool same = state_->rules && last.prims == prepared.prims;
   if (anew || !same) {
     state_->rules = make_rules(prepared.corners, state_->options, state_->reach);
     state_->tree = build_kd_tree(prepared.corners, *state_->rules);

@@ -17,6 +17,7 @@ namespace ti {
 struct BuildOptions {
   Format format;
   Layout layout = Layout::kOdfl;
+  TestKind test = TestKind::Local;
   double step_cost = 1.0;
   double test_cost = 1.5;
   double leaf_cost = 1.0;  ///< of a visit to a leaf, where a subtree is compared with one

@@ -6,10 +6,12 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "accel/image_checksum.hpp"
 #include "base/error.hpp"
@@ -98,8 +100,8 @@ void ImageChecker::check_kinds() const {
   };
   const ImageHeader& header = image_.header();
   if (header.tree != TreeKind::Kd) refuse("tree", static_cast<int>(header.tree), "1 (kd)");
-  if (header.test != TestKind::Local)
-    refuse("triangle test", static_cast<int>(header.test), "1 (local)");
+  if (header.test < TestKind::Local || header.test > TestKind::Woop)
+    refuse("triangle test", static_cast<int>(header.test), "1 (local), 2 (np) and 3 (woop)");
 }
 
 void ImageChecker::check_place(std::size_t number, const ImageSection& section) const {
@@ -132,13 +134,19 @@ ImageParts ImageChecker::find_parts() const {
     std::uint32_t& count;
     bool found = false;
   };
-  std::array known{
+  const bool woop = image_.header().test == TestKind::Woop;
+  std::vector known{
       Known{SectionKind::Nodes, "nodes", sizeof(ImageNode), parts.node_offset, parts.node_count},
-      Known{SectionKind::List, "list", sizeof(std::uint32_t), parts.list_offset, parts.list_count},
-      Known{SectionKind::Planes, "plane parts", sizeof(ImagePlane), parts.plane_offset,
-            parts.triangle_count},
-      Known{SectionKind::Barys, "barycentric parts", sizeof(ImageBary), parts.bary_offset,
-            bary_count}};
+      Known{SectionKind::List, "list", sizeof(std::uint32_t), parts.list_offset, parts.list_count}};
+  if (woop) {
+    known.push_back({SectionKind::Corners, "corners", corner_bytes(image_.format()),
+                     parts.corner_offset, parts.triangle_count});
+  } else {
+    known.push_back({SectionKind::Planes, "plane parts", sizeof(ImagePlane), parts.plane_offset,
+                     parts.triangle_count});
+    known.push_back({SectionKind::Barys, "barycentric parts", sizeof(ImageBary), parts.bary_offset,
+                     bary_count});
+  }
   const auto table = elements<ImageSection>(image_.bytes(), sizeof(ImageHeader), count);
   for (std::size_t i = 0; i < table.size(); ++i) {
     const ImageSection& section = table[i];
@@ -159,7 +167,7 @@ ImageParts ImageChecker::find_parts() const {
   for (const Known& part : known) {
     if (!part.found) fail(std::string("no section has its ") + part.name);
   }
-  if (bary_count != parts.triangle_count) {
+  if (!woop && bary_count != parts.triangle_count) {
     fail("has " + std::to_string(parts.triangle_count) + " plane parts and " +
          std::to_string(bary_count) + " barycentric parts");
   }
@@ -214,10 +222,18 @@ void ImageChecker::check_contents() const {
   check_nodes();
   const auto list = image_.list();
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (list[i] >= image_.planes().size()) {
+    if (list[i] >= image_.parts().triangle_count) {
       fail("list entry " + std::to_string(i) + " names triangle " + std::to_string(list[i]) +
-           " of " + std::to_string(image_.planes().size()));
+           " of " + std::to_string(image_.parts().triangle_count));
     }
+  }
+  if (header.test == TestKind::Woop) {
+    for (std::uint32_t i = 0; i < image_.parts().triangle_count; ++i) {
+      for (const auto& corner : image_.corners(i).p) {
+        for (const std::uint32_t bits : corner) check_finite("triangle", i, bits);
+      }
+    }
+    return;
   }
   const auto planes = image_.planes();
   const auto barys = image_.barys();
@@ -277,11 +293,45 @@ std::span<const std::uint32_t> Image::list() const {
 }
 
 std::span<const ImagePlane> Image::planes() const {
-  return elements<ImagePlane>(bytes_, parts_.plane_offset, parts_.triangle_count);
+  const bool none = header().test == TestKind::Woop;
+  return elements<ImagePlane>(bytes_, parts_.plane_offset, none ? 0 : parts_.triangle_count);
 }
 
 std::span<const ImageBary> Image::barys() const {
-  return elements<ImageBary>(bytes_, parts_.bary_offset, parts_.triangle_count);
+  const bool none = header().test == TestKind::Woop;
+  return elements<ImageBary>(bytes_, parts_.bary_offset, none ? 0 : parts_.triangle_count);
+}
+
+ImageCorners Image::corners(std::uint32_t index) const {
+  const auto width = static_cast<std::size_t>(format().width());
+  const std::uint8_t* record =
+      bytes_.data() + parts_.corner_offset + std::size_t{index} * corner_bytes(format());
+  const auto field = [record](std::size_t place, std::size_t bits) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, record + place / 8, (place % 8 + bits + 7) / 8);
+    return static_cast<std::uint32_t>(word >> place % 8 & ((std::uint64_t{1} << bits) - 1));
+  };
+  ImageCorners corners{};
+  for (std::size_t i = 0; i < 9; ++i) corners.p[i / 3][i % 3] = field(i * width, width);
+  corners.prim = field(9 * width, 32);
+  return corners;
+}
+
+std::uint32_t Image::prim(std::uint32_t index) const {
+  return header().test == TestKind::Woop ? corners(index).prim : planes()[index].prim;
+}
+
+std::vector<std::uint8_t> pack(const ImageCorners& corners, Format format) {
+  const auto width = static_cast<std::size_t>(format.width());
+  std::vector<std::uint8_t> bytes(corner_bytes(format));
+  const auto put = [&bytes](std::size_t place, std::uint32_t value) {
+    const std::uint64_t word = std::uint64_t{value} << place % 8;
+    for (std::size_t k = 0; k < 5 && place / 8 + k < bytes.size(); ++k)
+      bytes[place / 8 + k] |= static_cast<std::uint8_t>(word >> 8 * k);
+  };
+  for (std::size_t i = 0; i < 9; ++i) put(i * width, corners.p[i / 3][i % 3]);
+  put(9 * width, corners.prim);
+  return bytes;
 }
 
 }  // namespace ti

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/config_keys.hpp"
 #include "base/format.hpp"
 
 namespace ti {
@@ -17,7 +18,15 @@ namespace ti {
 enum class TreeKind : std::uint8_t { Kd = 1 };
 
 /// Which test its triangle records are for.
-enum class TestKind : std::uint8_t { Local = 1 };
+enum class TestKind : std::uint8_t { Local = 1, Np = 2, Woop = 3 };
+
+/// The kind that a configuration names, and its name.
+[[nodiscard]] constexpr TestKind test_kind(TriangleTest test) {
+  return static_cast<TestKind>(static_cast<int>(test) + 1);
+}
+[[nodiscard]] constexpr const char* test_name(TestKind test) {
+  return kTriangleTestNames[static_cast<std::size_t>(test) - 1];
+}
 
 /// First 64 bytes of a memory image, little endian; `docs/memory-image.md` has the byte table. The
 /// table of sections follows, `section_count` of `ImageSection`.
@@ -41,7 +50,7 @@ struct ImageHeader {
 static_assert(sizeof(ImageHeader) == 64);
 
 /// What stands in a section. A reader skips kinds that it does not know.
-enum class SectionKind : std::uint32_t { Nodes = 1, List = 2, Planes = 3, Barys = 4 };
+enum class SectionKind : std::uint32_t { Nodes = 1, List = 2, Planes = 3, Barys = 4, Corners = 5 };
 
 /// An entry of the table of sections. Sections start at multiples of 128 bytes, counted from the
 /// first byte of the image.
@@ -58,12 +67,16 @@ constexpr std::size_t kSectionAlign = 128;
   return (bytes + kSectionAlign - 1) / kSectionAlign * kSectionAlign;
 }
 
-/// Where the sections of a kd-tree with records of the `local` test stand, and their elements.
+/// Where the sections of a kd-tree stand, and their elements. Records of Shevtsov's test have a
+/// plane part and a barycentric part each, those of Woop's the three corners.
 struct ImageParts {
   std::uint32_t node_offset = 0, node_count = 0;
   std::uint32_t list_offset = 0, list_count = 0;
-  std::uint32_t plane_offset = 0, bary_offset = 0;
-  std::uint32_t triangle_count = 0;  ///< records: plane parts and barycentric parts
+  std::uint32_t plane_offset = 0, bary_offset = 0, corner_offset = 0;
+  std::uint32_t triangle_count = 0;  ///< records
+
+  /// Where records are first read.
+  [[nodiscard]] std::uint32_t record_offset() const { return plane_offset + corner_offset; }
 };
 
 /// kd-tree node, 8 bytes. Inner: `value` = split (bits of the format), `link` = other child << 3 |
@@ -87,10 +100,11 @@ constexpr std::uint32_t kMaxLeafCount = (1U << 16U) - 1U;
 /// Plane part of a triangle record, 32 bytes; what pass (a) of the test reads. All values are bits
 /// of the format.
 struct ImagePlane {
-  std::uint32_t nu, nv;      ///< n_u / n_w, n_v / n_w
-  std::uint32_t pu, pv, pw;  ///< first vertex, axes in the order u, v, w
-  std::uint32_t axis;        ///< w = 0, 1, 2: the axis of the largest |n|, the lowest at a tie
-  std::uint32_t prim;        ///< triangle number in the mesh file
+  std::uint32_t nu, nv;  ///< n_u / n_w, n_v / n_w
+  std::uint32_t pu, pv;  ///< first vertex, axes in the order u, v, w
+  std::uint32_t pw;      ///< the same; of the test `np` n.p / n_w
+  std::uint32_t axis;    ///< w = 0, 1, 2: the axis of the largest |n|, the lowest at a tie
+  std::uint32_t prim;    ///< triangle number in the mesh file
   std::uint32_t reserved;
 };
 static_assert(sizeof(ImagePlane) == 32);
@@ -102,6 +116,20 @@ struct ImageBary {
   std::uint32_t e1u, e1v;  ///< to the third vertex
 };
 static_assert(sizeof(ImageBary) == 16);
+
+/// Record of Woop's test: nine coordinates in the bits of the format, corner by corner, then the
+/// triangle number in 32 bits, packed from the lowest bit of the first byte on.
+struct ImageCorners {
+  std::array<std::array<std::uint32_t, 3>, 3> p;
+  std::uint32_t prim;
+};
+
+/// Bytes of a packed record: 32 where it fits, else 64.
+[[nodiscard]] constexpr std::uint32_t corner_bytes(Format format) {
+  return 9 * format.width() + 32 <= 256 ? 32 : 64;
+}
+/// The record packed into `corner_bytes(format)` bytes.
+[[nodiscard]] std::vector<std::uint8_t> pack(const ImageCorners& corners, Format format);
 
 /// A memory image: the same bytes for the model, the RTL and a host.
 class Image {
@@ -120,6 +148,10 @@ class Image {
   [[nodiscard]] std::span<const std::uint32_t> list() const;
   [[nodiscard]] std::span<const ImagePlane> planes() const;
   [[nodiscard]] std::span<const ImageBary> barys() const;
+  /// Record `index` of an image for Woop's test.
+  [[nodiscard]] ImageCorners corners(std::uint32_t index) const;
+  /// Number in the mesh of the triangle of record `index`.
+  [[nodiscard]] std::uint32_t prim(std::uint32_t index) const;
 
  private:
   std::vector<std::uint8_t> bytes_;  // aligned to 8 by the allocator

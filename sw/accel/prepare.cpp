@@ -80,7 +80,8 @@ Point edge(const Corners& corners, std::size_t end) {
 }
 
 /// Computes the records; false when a constant is not finite in the format.
-bool make_records(const Corners& corners, Format format, ImagePlane& plane, ImageBary& bary) {
+bool make_records(const Corners& corners, Format format, TestKind test, ImagePlane& plane,
+                  ImageBary& bary) {
   const Point first = edge(corners, 1);
   const Point second = edge(corners, 2);
   const Point normal{difference_of_products(first[1], second[2], first[2], second[1]),
@@ -103,7 +104,9 @@ bool make_records(const Corners& corners, Format format, ImagePlane& plane, Imag
   plane.nv = rounded(normal[v] / normal[w]);
   plane.pu = rounded(origin[u]);
   plane.pv = rounded(origin[v]);
-  plane.pw = rounded(origin[w]);
+  const double np =
+      std::fma(normal[u] / normal[w], origin[u], normal[v] / normal[w] * origin[v]) + origin[w];
+  plane.pw = rounded(test == TestKind::Np ? np : origin[w]);
   plane.axis = static_cast<std::uint32_t>(w);
   plane.prim = 0;
   plane.reserved = 0;
@@ -137,11 +140,13 @@ bool has_zero_area(const Corners& corners) {
   return true;
 }
 
-PreparedTriangles prepare_triangles(const Mesh& mesh, Format format) {
+PreparedTriangles prepare_triangles(const Mesh& mesh, Format format, TestKind test) {
+  const bool constants = test != TestKind::Woop;
   PreparedTriangles prepared;
   prepared.corners.reserve(mesh.triangles.size());
-  prepared.planes.reserve(mesh.triangles.size());
-  prepared.barys.reserve(mesh.triangles.size());
+  prepared.prims.reserve(mesh.triangles.size());
+  prepared.planes.reserve(constants ? mesh.triangles.size() : 0);
+  prepared.barys.reserve(constants ? mesh.triangles.size() : 0);
   std::vector<glm::vec3> rounded(mesh.vertices.size());
   for (std::size_t i = 0; i < rounded.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -170,11 +175,13 @@ PreparedTriangles prepare_triangles(const Mesh& mesh, Format format) {
       ++prepared.dropped_nonfinite;
     } else if (has_zero_area(corners)) {
       ++prepared.dropped_zero_area;
-    } else if (!make_records(corners, format, plane, bary)) {
+    } else if (constants && !make_records(corners, format, test, plane, bary)) {
       ++prepared.dropped_nonfinite;
     } else {
       plane.prim = static_cast<std::uint32_t>(i);
       prepared.corners.push_back(corners);
+      prepared.prims.push_back(plane.prim);
+      if (!constants) continue;
       prepared.planes.push_back(plane);
       prepared.barys.push_back(bary);
     }

@@ -13,7 +13,7 @@ struct Format {
 
   bool operator==(const Format&) const = default;
 
-  [[nodiscard]] int width() const { return 1 + exp_bits + frac_bits; }
+  [[nodiscard]] constexpr int width() const { return 1 + exp_bits + frac_bits; }
   [[nodiscard]] int bias() const { return (1 << (exp_bits - 1)) - 1; }
 };
 

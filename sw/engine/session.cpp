@@ -29,6 +29,7 @@ BuildOptions build_options_of(const Config& config) {
   BuildOptions options;
   options.format = config.format;
   options.layout = config.layout;
+  options.test = test_kind(config.triangle_test);
   options.test_cost = config.tree_test_cost;
   options.leaf_cost = config.tree_leaf_cost;
   options.bad_splits = config.tree_bad_splits;
@@ -93,11 +94,13 @@ Session::Session(const RunOptions& options, Scene scene, SceneImage image)
                                      .interval_guard = options_.config.interval_guard,
                                      .early_exit = options_.config.early_exit,
                                      .restart = options_.config.restart,
+                                     .traversal = options_.config.traversal,
                                      .any_hit = options_.config.any_hit})) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
   if (options_.truth || options_.engine == EngineKind::Embree)
-    truth_ = std::make_unique<Truth>(scene_.mesh, options_.config.format);
+    truth_ = std::make_unique<Truth>(scene_.mesh, options_.config.format, "", Truth::kLooks,
+                                     test_kind(options_.config.triangle_test));
   switch (options_.engine) {
     case EngineKind::Rtl: {
       RtlOptions rtl = options_.rtl;

@@ -20,19 +20,32 @@ bool same_bytes(const T& a, const T& b) {
 
 /// Number of the first record that `prepared` does not give; the count of records when all are
 /// there.
-std::size_t first_foreign(const Image& image, const PreparedTriangles& prepared) {
-  const auto planes = image.planes();
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    const auto found = std::lower_bound(
-        prepared.planes.begin(), prepared.planes.end(), planes[i].prim,
-        [](const ImagePlane& plane, std::uint32_t prim) { return plane.prim < prim; });
-    const auto place = static_cast<std::size_t>(found - prepared.planes.begin());
-    if (found == prepared.planes.end() || !same_bytes(*found, planes[i]) ||
-        !same_bytes(prepared.barys[place], image.barys()[i])) {
+std::uint32_t first_foreign(const Image& image, const PreparedTriangles& prepared) {
+  const auto same = [&](std::uint32_t record, std::size_t place) {
+    if (image.header().test != TestKind::Woop) {
+      return same_bytes(prepared.planes[place], image.planes()[record]) &&
+             same_bytes(prepared.barys[place], image.barys()[record]);
+    }
+    const ImageCorners corners = image.corners(record);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double x = prepared.corners[place][corner][axis];
+        if (corners.p[corner][static_cast<std::size_t>(axis)] != round_to_bits(image.format(), x))
+          return false;
+      }
+    }
+    return true;
+  };
+  const std::uint32_t count = image.parts().triangle_count;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto found =
+        std::lower_bound(prepared.prims.begin(), prepared.prims.end(), image.prim(i));
+    if (found == prepared.prims.end() || *found != image.prim(i) ||
+        !same(i, static_cast<std::size_t>(found - prepared.prims.begin()))) {
       return i;
     }
   }
-  return planes.size();
+  return count;
 }
 
 void describe_tree(const Image& image, BuildStats& stats) {
@@ -73,9 +86,17 @@ Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, const C
         "{}: the image has the layout {}, the configuration has {}; make it again by `make image`",
         path.string(), kLayoutNames[image.header().layout], kLayoutNames[layout]));
   }
-  const PreparedTriangles prepared = prepare_triangles(mesh, format);
-  const std::size_t foreign = first_foreign(image, prepared);
-  if (foreign < image.planes().size() || image.planes().size() != prepared.planes.size()) {
+  const TestKind test = test_kind(config.triangle_test);
+  if (image.header().test != test) {
+    throw Error(fmt::format(
+        "{}: the image is for the triangle test {}, the configuration has {}; make it again by "
+        "`make image`",
+        path.string(), test_name(image.header().test), test_name(test)));
+  }
+  const PreparedTriangles prepared = prepare_triangles(mesh, format, test);
+  const std::uint32_t foreign = first_foreign(image, prepared);
+  if (foreign < image.parts().triangle_count ||
+      image.parts().triangle_count != prepared.prims.size()) {
     throw Error(
         fmt::format("{}: its triangles are not those of {} (record {}); the image was made from "
                     "another scene, make it "

@@ -54,12 +54,13 @@ template <class F>
 
 }  // namespace detail
 
-/// Pass (a), ray against plane (Shevtsov et al. 2007, local form); nothing when the test is done.
+/// Pass (a), ray against plane (Shevtsov et al. 2007); nothing when the test is done.
 ///
-/// Bit-exact model of `ti_ist1_pipe`, pass (a): det = (nu du + nv dv) + dw, dett = (nu au + nv av)
-/// + aw with a = p - o. Both culls are conservative: `range.far` drops a test only where the
-/// rounded t must exceed it, `range.near` only where dett / det is less.
-template <class F>
+/// Bit-exact model of `ti_ist1_pipe`, pass (a): det = (nu du + nv dv) + dw; dett = (nu au + nv av)
+/// + aw with a = p - o, of the test `Np` as published np - ((nu ou + nv ov) + ow). Both culls are
+/// conservative: `range.far` drops a test only where the rounded t must exceed it, `range.near`
+/// only where dett / det is less.
+template <TestKind kKind, class F>
 [[nodiscard]] std::optional<AfterA<F>> pass_a(const ImagePlane& plane, const Vec3<F>& o,
                                               const Vec3<F>& d, const TestRange<F>& range) {
   const std::size_t w = plane.axis;
@@ -70,8 +71,9 @@ template <class F>
   const F det = (nu * d[u] + nv * d[v]) + d[w];
   const F au = F::from_bits(plane.pu) - o[u];
   const F av = F::from_bits(plane.pv) - o[v];
-  const F aw = F::from_bits(plane.pw) - o[w];
-  const F dett = (nu * au + nv * av) + aw;
+  const F pw = F::from_bits(plane.pw);
+  const F dett = kKind == TestKind::Np ? pw - ((nu * o[u] + nv * o[v]) + o[w])
+                                       : (nu * au + nv * av) + (pw - o[w]);
   const F nearest = detail::magnitude(range.near * det);
   const F farthest = detail::magnitude(range.far * det);
   const F size = detail::magnitude(dett);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "accel/image.hpp"
+#include "base/config_keys.hpp"
 #include "model/rd.hpp"
 #include "model/trv.hpp"
 #include "model/work.hpp"
@@ -17,6 +18,13 @@ namespace ti::model {
 struct Walked {
   Status status = Status::Ok;
   std::uint32_t steps = 0;  ///< nodes visited, leaves included
+};
+
+/// What the tests of a leaf leave behind.
+template <class F>
+struct LeafEnd {
+  F best;      ///< least t of a hit so far, or the ray's tmax
+  bool ended;  ///< the ray asks for no more
 };
 
 /// Where a walk ends at the latest.
@@ -33,22 +41,23 @@ template <class F>
 class KdTree {
  public:
   static constexpr TreeKind kKind = TreeKind::Kd;
+  static constexpr Traversal kTraversal = Traversal::kPlain;
 
   explicit KdTree(const Image& image)
       : root_(image.header().root), nodes_(image.nodes()), list_(image.list()) {}
 
-  /// Calls `visit(records, entry, exit)` for each leaf, with the t at which the ray enters and
-  /// leaves it; the walk ends when that is true.
-  template <class Visit>
-  [[nodiscard]] Walked walk(const FpRay<F>& ray, const Clipped<F>& clipped,
-                            const WalkLimits& limits, Work& work, const StepLog* log,
-                            const Visit& visit) const;
-
- private:
-  [[nodiscard]] static const char* name(Side side) {
-    return side == Side::Near ? "near" : side == Side::Far ? "far" : "both";
+  /// Where the ray begins for this walk.
+  [[nodiscard]] static Origins<F> origins(const Box<F>&, const FpRay<F>& ray) {
+    return {ray.o, ray.o};
   }
 
+  /// Calls `visit(records, entry, exit)` for each leaf, with the t at which the ray enters and
+  /// leaves it; the walk ends when the best t is not beyond the exit.
+  template <class Visit>
+  [[nodiscard]] Walked walk(const Clipped<F>& clipped, const WalkLimits& limits, Work& work,
+                            const StepLog* log, const Visit& visit) const;
+
+ private:
   std::uint32_t root_;
   std::span<const ImageNode> nodes_;
   std::span<const std::uint32_t> list_;
@@ -56,8 +65,8 @@ class KdTree {
 
 template <class F>
 template <class Visit>
-Walked KdTree<F>::walk(const FpRay<F>& ray, const Clipped<F>& clipped, const WalkLimits& limits,
-                       Work& work, const StepLog* log, const Visit& visit) const {
+Walked KdTree<F>::walk(const Clipped<F>& clipped, const WalkLimits& limits, Work& work,
+                       const StepLog* log, const Visit& visit) const {
   ShortStack<F> stack(limits.stack_depth);
   F tmin = clipped.tmin;
   F tmax = clipped.tmax;
@@ -69,13 +78,13 @@ Walked KdTree<F>::walk(const FpRay<F>& ray, const Clipped<F>& clipped, const Wal
     ++steps;
     const ImageNode node = nodes_[index];
     if (!node.is_leaf()) {
-      const F t = split_distance(node, ray.o, clipped.inv);
+      const F t = split_distance(node, clipped.origins.least, clipped.inv);
       const auto [near, far] = ordered(node, index, clipped.inv[node.axis()].signbit());
       const Side side = choose(t, tmin, tmax);
       if (log) (*log)(fmt::format("node {} t {:08x} {}", index, t.bits(), name(side)));
       index = side == Side::Far ? far : near;
       if (side == Side::Both) {
-        stack.push({far, tmax});
+        stack.push({far, tmin, tmax});
         tmax = t;
       }
       continue;
@@ -85,7 +94,8 @@ Walked KdTree<F>::walk(const FpRay<F>& ray, const Clipped<F>& clipped, const Wal
     const F exit = tmax;
     if (log) (*log)(fmt::format("node {} leaf {} exit {:08x}", index, node.count(), exit.bits()));
     if (node.count() != 0) ++work.full_leaves;
-    if (visit(list_.subspan(node.value, node.count()), tmin, exit)) return {Status::Ok, steps};
+    const LeafEnd<F> end = visit(list_.subspan(node.value, node.count()), tmin, exit);
+    if (end.ended || end.best <= exit) return {Status::Ok, steps};
     if (!stack.empty()) {
       const auto top = stack.pop();
       index = top.node;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "base/vec.hpp"
 #include "scene/ray.hpp"
 
@@ -20,6 +22,88 @@ struct FpRay {
   bool any = false;
 };
 
+/// The constants of a ray for Woop's test (Woop, Benthin, Wald 2013): z is the axis of its largest
+/// |d|, the lowest at a tie, x and y follow cyclically.
+template <class F>
+struct Shear {
+  std::size_t z = 0;
+  F sx, sy;  ///< dx * inv z, dy * inv z
+  F sz;      ///< inv z
+};
+
+/// Bit-exact model of `ti_rd_shear`.
+template <class F>
+[[nodiscard]] Shear<F> shear_of(const Vec3<F>& d, const Vec3<F>& inv) {
+  const auto larger = [&d](std::size_t a, std::size_t b) {
+    return (d[a].bits() & ~F::kSignBit) > (d[b].bits() & ~F::kSignBit);
+  };
+  std::size_t z = 0;
+  if (larger(1, z)) z = 1;
+  if (larger(2, z)) z = 2;
+  return {z, d[(z + 1) % 3] * inv[z], d[(z + 2) % 3] * inv[z], inv[z]};
+}
+
+/// Where a ray begins for its way through the tree: `least` makes each t of a plane the least that
+/// rounding may come to, `most` the greatest. Both are o for a ray that is not thick.
+template <class F>
+struct Origins {
+  Vec3<F> least, most;
+};
+
+/// Places by which the exponent of the farthest plane of the scene box goes down to that of the
+/// thickness of a ray: 32 u = 2^(5 - 1 - M) of that distance.
+template <class F>
+constexpr std::uint32_t kThicknessPlaces = F::kFracBits > 4 ? F::kFracBits - 4 : 0;
+
+namespace detail {
+
+/// The next number above x, or below; x is finite.
+template <class F>
+[[nodiscard]] F next_above(F x) {
+  if (x.is_zero()) return F::from_bits(1);
+  return x.signbit() ? x.ulps_down(1) : x.ulps_up(1);
+}
+template <class F>
+[[nodiscard]] F next_below(F x) {
+  return -next_above(-x);
+}
+
+}  // namespace detail
+
+/// A thick ray: one that meets every cell of which the ray, or a triangle as the test sees it, lies
+/// within the rounding errors.
+///
+/// Bit-exact model of `ti_rd_thick`. The distance A is the largest |plane - o| of the scene box;
+/// the thickness has the fraction of A and an exponent `kThicknessPlaces` lower, at least that of
+/// the least normal number; each component of the origins is o -+ thickness, rounded, then moved
+/// outward by one more ulp. What that covers, in units of u A with u = 2^-(M+1): a corner as Woop's
+/// test sees it 7 (difference 1, shear 6), its way along z 3, t by weights, reciprocal and two
+/// products 8, a plane of the tree 3; 21 of 32. Where numbers are subnormal each of these is half
+/// the least of them, and the thickness 2^M of it.
+template <class F>
+[[nodiscard]] Origins<F> thick_origins(const Box<F>& box, const Vec3<F>& o, const Vec3<F>& d) {
+  std::uint32_t farthest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const F plane : {box.lo[axis], box.hi[axis]}) {
+      const std::uint32_t size = (plane - o[axis]).bits() & ~F::kSignBit;
+      if (size > farthest) farthest = size;
+    }
+  }
+  constexpr std::uint32_t kOne = std::uint32_t{1} << F::kFracBits;  // of an exponent
+  const std::uint32_t exponent = farthest / kOne;
+  const std::uint32_t lower = exponent > kThicknessPlaces<F> ? exponent - kThicknessPlaces<F> : 1;
+  const F thickness = F::from_bits(lower * kOne + farthest % kOne);
+  Origins<F> origins;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const F below = detail::next_below(o[axis] - thickness);
+    const F above = detail::next_above(o[axis] + thickness);
+    const bool negative = d[axis].signbit();
+    origins.least[axis] = negative ? below : above;
+    origins.most[axis] = negative ? above : below;
+  }
+  return origins;
+}
+
 /// What RD makes of a ray.
 template <class F>
 struct Clipped {
@@ -27,15 +111,18 @@ struct Clipped {
   Status status = Status::Ok;
   Vec3<F> inv;
   F tmin, tmax;  ///< interval of the traversal, 0 <= tmin < tmax unless `miss`
+  Origins<F> origins;
+  Shear<F> shear;  ///< of Woop's test
 };
 
 /// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward by 4
 /// ulp.
 ///
 /// Bit-exact model of `ti_rd_clip`. Slabs after Kay and Kajiya 1986; an axis whose inverse is
-/// infinite sets no bound.
+/// infinite sets no bound. Near planes are measured from `origins.least`, far ones from
+/// `origins.most`.
 template <class F>
-[[nodiscard]] Clipped<F> clip(const Box<F>& box, const FpRay<F>& ray) {
+[[nodiscard]] Clipped<F> clip(const Box<F>& box, const FpRay<F>& ray, const Origins<F>& origins) {
   Clipped<F> out;
   bool bad = ray.tmin.is_nan() || ray.tmax.is_nan();
   bool outside = false;
@@ -45,21 +132,23 @@ template <class F>
   for (std::size_t axis = 0; axis < 3; ++axis) {
     bad = bad || !ray.o[axis].is_finite() || !ray.d[axis].is_finite();
     const F inv = reciprocal(ray.d[axis]);
-    const F to_lo = box.lo[axis] - ray.o[axis];
-    const F to_hi = box.hi[axis] - ray.o[axis];
+    const bool negative = inv.signbit();
+    const F to_near = (negative ? box.hi : box.lo)[axis] - origins.least[axis];
+    const F to_far = (negative ? box.lo : box.hi)[axis] - origins.most[axis];
     out.inv[axis] = inv;
     if (inv.is_inf()) {
       ++parallel_axes;
-      outside = outside || to_lo > F{} || to_hi < F{};
+      outside =
+          outside || (negative ? to_near < F{} || to_far > F{} : to_near > F{} || to_far < F{});
       continue;
     }
-    const bool negative = inv.signbit();
-    const F near_t = (negative ? to_hi : to_lo) * inv;
-    const F far_t = (negative ? to_lo : to_hi) * inv;
+    const F near_t = to_near * inv;
+    const F far_t = to_far * inv;
     if (tmin < near_t) tmin = near_t;
     if (far_t < tmax) tmax = far_t;
   }
   const bool behind = tmax < F{};
+  out.origins = origins;
   out.tmin = tmin.ulps_down(4);
   out.tmax = (tmax.signbit() ? F{} : tmax).ulps_up(4);
   const bool invalid = bad || parallel_axes == 3;

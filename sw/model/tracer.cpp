@@ -15,8 +15,10 @@
 #include "base/parallel.hpp"
 #include "model/fp.hpp"
 #include "model/kd_tree.hpp"
-#include "model/local_test.hpp"
+#include "model/padded_kd_tree.hpp"
+#include "model/plane_test.hpp"
 #include "model/rd.hpp"
+#include "model/woop_test.hpp"
 
 namespace ti {
 namespace {
@@ -27,6 +29,7 @@ class TracerOf final : public Tracer {
  public:
   using Number = F;
   static constexpr TreeKind kTree = Tree::kKind;
+  static constexpr Traversal kTraversal = Tree::kTraversal;
   static constexpr TestKind kTest = Test::kKind;
 
   TracerOf(const Image& image, const Options& options)
@@ -54,15 +57,15 @@ class TracerOf final : public Tracer {
     ray.any = given.any;
     if (ray.any && !any_hit_) return miss({Status::InvalidRay, 0});
 
-    const model::Clipped<F> clipped = clip(box_, ray);
+    model::Clipped<F> clipped = clip(box_, ray, Tree::origins(box_, ray));
+    if constexpr (kTest == TestKind::Woop) clipped.shear = model::shear_of(ray.d, clipped.inv);
     if (clipped.miss) return miss({clipped.status, 0});
     Best best{ray.tmax, F{}, F{}};
-    const model::Walked walked =
-        tree_.walk(ray, clipped, limits_, work, log,
-                   [&](std::span<const std::uint32_t> records, F entry, F exit) {
-                     test_leaf(records, ray, range(entry, exit, best.t), best, work);
-                     return best.t <= exit || (ray.any && best.prim != kNoPrim);
-                   });
+    const model::Walked walked = tree_.walk(
+        clipped, limits_, work, log, [&](std::span<const std::uint32_t> records, F entry, F exit) {
+          test_leaf(records, ray, clipped, range(entry, exit, best.t), best, work);
+          return model::LeafEnd<F>{best.t, ray.any && best.prim != kNoPrim};
+        });
     HitBits hit = miss(walked);
     if (walked.status != Status::Ok || best.prim == kNoPrim) return hit;
     hit.t = ray.any ? 0 : best.t.bits();
@@ -96,9 +99,10 @@ class TracerOf final : public Tracer {
 
   /// All triangles of a leaf.
   void test_leaf(std::span<const std::uint32_t> records, const model::FpRay<F>& ray,
-                 const model::TestRange<F>& range, Best& best, Work& work) const {
+                 const model::Clipped<F>& clipped, const model::TestRange<F>& range, Best& best,
+                 Work& work) const {
     for (const std::uint32_t record : records) {
-      const auto c = test_.test(record, ray, range, work);
+      const auto c = test_.test(record, ray, clipped, range, work);
       if (!c || !(ray.tmin <= c->t)) continue;
       const std::uint32_t prim = test_.prim(record);
       if (c->t < best.t || (c->t == best.t && prim < best.prim)) best = {c->t, c->u, c->v, prim};
@@ -117,6 +121,7 @@ class TracerOf final : public Tracer {
 struct Maker {
   Format format;
   TreeKind tree;
+  Traversal traversal;
   TestKind test;
   std::unique_ptr<Tracer> (*make)(const Image&, const Tracer::Options&);
 };
@@ -124,16 +129,23 @@ struct Maker {
 template <class T>
 constexpr Maker kMaker{{T::Number::kExpBits, T::Number::kFracBits},
                        T::kTree,
+                       T::kTraversal,
                        T::kTest,
                        [](const Image& image, const Tracer::Options& options) {
                          return std::unique_ptr<Tracer>(std::make_unique<T>(image, options));
                        }};
 
-template <class F>
-using KdLocal = TracerOf<F, model::KdTree<F>, model::LocalTest<F>>;
+/// The engines of a number format: each walk with each test.
+template <class F, template <class> class... Trees>
+constexpr auto makers_of() {
+  return std::array{kMaker<TracerOf<F, Trees<F>, model::PlaneTest<F, TestKind::Local>>>...,
+                    kMaker<TracerOf<F, Trees<F>, model::PlaneTest<F, TestKind::Np>>>...,
+                    kMaker<TracerOf<F, Trees<F>, model::WoopTest<F>>>...};
+}
 
 constexpr auto kMakers = []<std::size_t... I>(std::index_sequence<I...>) {
-  return std::array{kMaker<KdLocal<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>>>...};
+  return std::array{makers_of<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>,
+                              model::KdTree, model::PaddedKdTree>()...};
 }(std::make_index_sequence<std::size(kModelFormats)>{});
 
 /// Throws `Error` for a tree that may ask for more entries than a stack has.
@@ -168,10 +180,12 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
                     options.stack_depth, model::kMaxStackDepth));
   }
   if (!options.restart) check_stack(image, options.stack_depth);
-  for (const Maker& maker : kMakers) {
-    if (maker.format == image.format() && maker.tree == image.header().tree &&
-        maker.test == image.header().test) {
-      return maker.make(image, options);
+  for (const auto& makers : kMakers) {
+    for (const Maker& maker : makers) {
+      if (maker.format == image.format() && maker.tree == image.header().tree &&
+          maker.traversal == options.traversal && maker.test == image.header().test) {
+        return maker.make(image, options);
+      }
     }
   }
   throw Error(
@@ -182,10 +196,8 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
 
 std::string tracer_formats() {
   std::string text;
-  for (const Maker& maker : kMakers) {
-    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", maker.format.exp_bits,
-                        maker.format.frac_bits);
-  }
+  for (const Format& format : kModelFormats)
+    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", format.exp_bits, format.frac_bits);
   return text;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "accel/image.hpp"
+#include "base/config_keys.hpp"
 #include "model/work.hpp"
 #include "scene/ray.hpp"
 
@@ -33,7 +34,8 @@ class Tracer {
     int interval_guard = 4;     ///< units in the last place by which it grows at each end
     bool early_exit = true;     ///< whether a test ends with the pass that it fails
     bool restart = true;        ///< whether a ray whose stack has overflowed goes back to the root
-    bool any_hit = true;        ///< whether an any-hit ray is traced; when not, it is invalid
+    Traversal traversal = Traversal::kPlain;
+    bool any_hit = true;  ///< whether an any-hit ray is traced; when not, it is invalid
   };
 
   /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format, tree or test

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "accel/image.hpp"
 #include "base/vec.hpp"
@@ -21,12 +22,30 @@ template <class F>
 
 /// Which children a ray visits.
 enum class Side : std::uint8_t { Near, Far, Both };
+[[nodiscard]] inline const char* name(Side side) {
+  return side == Side::Near ? "near" : side == Side::Far ? "far" : "both";
+}
 
 /// The three-way choice: near only when not t < tmax, else far only when t <= tmin, else both.
 template <class F>
 [[nodiscard]] Side choose(F t, F tmin, F tmax) {
   if (!(t < tmax)) return Side::Near;
   return t <= tmin ? Side::Far : Side::Both;
+}
+
+/// Where a thick ray crosses the split plane: at no rounding before `least` nor after `most`.
+template <class F>
+struct Crossing {
+  F least, most;
+};
+
+/// The choice of a thick ray, whose intervals in the two children overlap: near only when least >=
+/// tmax, else far only when most <= tmin, else both. A crossing that is NaN, of a ray parallel to
+/// the plane whose thickness just reaches it, is both.
+template <class F>
+[[nodiscard]] Side choose(const Crossing<F>& crossing, F tmin, F tmax) {
+  if (tmax <= crossing.least) return Side::Near;
+  return crossing.most <= tmin ? Side::Far : Side::Both;
 }
 
 /// The children in the order of the ray: near is the adjacent one exactly when sign XNOR reorder
@@ -49,27 +68,30 @@ class ShortStack {
  public:
   struct Entry {
     std::uint32_t node;
+    F tmin;  ///< of the walk of a thick ray alone
     F tmax;
   };
 
   /// `depth` from 0, which keeps nothing, to `kMaxStackDepth`.
   explicit ShortStack(std::size_t depth) : depth_(depth) {}
 
-  void push(Entry entry) {
-    if (depth_ == 0) {
-      dropped_ = true;
-      return;
-    }
-    entries_[top_] = entry;
-    top_ = top_ + 1 == depth_ ? 0 : top_ + 1;
+  /// The entry that is dropped, if one is.
+  std::optional<Entry> push(const Entry& entry) {
+    std::optional<Entry> oldest;
+    dropped_ = dropped_ || count_ == depth_;
+    if (depth_ == 0) return entry;
     if (count_ == depth_) {
-      dropped_ = true;
+      oldest = entries_[top_];
     } else {
       ++count_;
     }
+    entries_[top_] = entry;
+    top_ = top_ + 1 == depth_ ? 0 : top_ + 1;
+    return oldest;
   }
-  [[nodiscard]] Entry pop() {
-    top_ = top_ == 0 ? depth_ - 1 : top_ - 1;
+  [[nodiscard]] const Entry& top() const { return entries_[below()]; }
+  Entry pop() {
+    top_ = below();
     --count_;
     return entries_[top_];
   }
@@ -78,6 +100,8 @@ class ShortStack {
   void forget_dropped() { dropped_ = false; }
 
  private:
+  [[nodiscard]] std::size_t below() const { return top_ == 0 ? depth_ - 1 : top_ - 1; }
+
   std::array<Entry, kMaxStackDepth> entries_;  // a ring; the next entry goes to `top_`
   std::size_t depth_;
   std::size_t top_ = 0;

@@ -61,8 +61,8 @@ std::optional<Hit> test(const PreparedTriangles& prepared, std::size_t triangle,
   };
   const Vec3<F> d = vec(ray.d);
   const F far = F::from_double(std::numeric_limits<double>::infinity());
-  const auto a =
-      model::pass_a(prepared.planes[triangle], vec(ray.o), d, model::TestRange<F>{F{}, far});
+  const auto a = model::pass_a<TestKind::Local>(prepared.planes[triangle], vec(ray.o), d,
+                                                model::TestRange<F>{F{}, far});
   if (!a) return {};
   const auto b = model::pass_b(prepared.planes[triangle], prepared.barys[triangle], d, *a);
   if (!b) return {};
@@ -88,7 +88,7 @@ struct SelfHits {
 template <class F>
 SelfHits self_hits(const Mesh& mesh, double size, bool grazing = false) {
   const Format format{F::kExpBits, F::kFracBits};
-  const PreparedTriangles prepared = prepare_triangles(mesh, format);
+  const PreparedTriangles prepared = prepare_triangles(mesh, format, TestKind::Local);
   REQUIRE(prepared.planes.size() == kTriangles);
   std::vector<Ray> rays;
   std::vector<Hit> hits;

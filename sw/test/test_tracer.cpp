@@ -32,7 +32,7 @@ TEST_CASE("the short stack keeps the newest entries and remembers that it droppe
       REQUIRE(stack.empty() == right.empty());
       REQUIRE(stack.dropped() == dropped);
       if (right.empty() || random() % 8 < (i / 500 % 2 == 0 ? 5U : 3U)) {
-        stack.push({i, Fp<8, 23>::from_double(i)});
+        stack.push({i, Fp<8, 23>::from_double(0), Fp<8, 23>::from_double(i)});
         right.push_back(i);
         if (right.size() > depth) {
           right.pop_front();

@@ -89,7 +89,7 @@ Bounded BoundedOps::reciprocal(Bounded a) const {
   return ranged({v, e + 2.0 * u_ * (std::abs(v) + e) + eta_});
 }
 
-std::optional<TestConstants> test_constants(const Corners& triangle, Format format) {
+std::optional<TestConstants> test_constants(const Corners& triangle, Format format, TestKind test) {
   if (!(finite(triangle[0]) && finite(triangle[1]) && finite(triangle[2]))) {
     return std::nullopt;
   }
@@ -106,9 +106,21 @@ std::optional<TestConstants> test_constants(const Corners& triangle, Format form
   const auto e0 = difference(triangle[1], triangle[0]);
   const auto e1 = difference(triangle[2], triangle[0]);
   const Point p = point_of(triangle[0]);
-  TestConstants c{static_cast<int>(w), n[u] / n[w],  n[v] / n[w],  p[u],        p[v], p[w],
-                  e0[u] / n[w],        e0[v] / n[w], e1[u] / n[w], e1[v] / n[w]};
-  for (const double x : {c.e0u, c.e0v, c.e1u, c.e1v}) {
+  TestConstants c{.test = test,
+                  .corners = triangle,
+                  .w = static_cast<int>(w),
+                  .nu = n[u] / n[w],
+                  .nv = n[v] / n[w],
+                  .pu = p[u],
+                  .pv = p[v],
+                  .pw = p[w],
+                  .e0u = e0[u] / n[w],
+                  .e0v = e0[v] / n[w],
+                  .e1u = e1[u] / n[w],
+                  .e1v = e1[v] / n[w]};
+  if (test == TestKind::Woop) return c;
+  if (test == TestKind::Np) c.pw = std::fma(c.nu, p[u], c.nv * p[v]) + p[w];
+  for (const double x : {c.pw, c.e0u, c.e0v, c.e1u, c.e1v}) {
     if (!std::isfinite(round_to(format, x))) {
       return std::nullopt;
     }
@@ -116,7 +128,105 @@ std::optional<TestConstants> test_constants(const Corners& triangle, Format form
   return c;
 }
 
+namespace {
+
+/// Axis of the largest |d|, the lowest at a tie.
+int largest_axis(const glm::vec3& d) {
+  int z = 0;
+  if (std::abs(d[1]) > std::abs(d[z])) z = 1;
+  if (std::abs(d[2]) > std::abs(d[z])) z = 2;
+  return z;
+}
+
+TestBand woop_band(const BoundedOps& ops, const Corners& corners, const Ray& ray) {
+  const int iz = largest_axis(ray.d);
+  const int ix = (iz + 1) % 3;
+  const int iy = (iz + 2) % 3;
+  const auto exactly = [](float x) { return Bounded{double{x}, 0.0}; };
+  const Bounded sz = ops.reciprocal(exactly(ray.d[iz]));
+  const Bounded sx = ops.mul(exactly(ray.d[ix]), sz);
+  const Bounded sy = ops.mul(exactly(ray.d[iy]), sz);
+  std::array<Bounded, 3> x, y, z;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto away = [&](int axis) {
+      return ops.sub(exactly(corners[k][axis]), exactly(ray.o[axis]));
+    };
+    z[k] = away(iz);
+    x[k] = ops.sub(away(ix), ops.mul(sx, z[k]));
+    y[k] = ops.sub(away(iy), ops.mul(sy, z[k]));
+  }
+  std::array<Bounded, 3> weight;
+  bool may_be[2] = {true, true};   // all 0 or more, all 0 or less
+  bool must_be[2] = {true, true};  // whatever the rounding
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t b = (k + 1) % 3;
+    const std::size_t c = (k + 2) % 3;
+    weight[k] = ops.sub(ops.mul(x[c], y[b]), ops.mul(y[c], x[b]));
+    may_be[0] = may_be[0] && weight[k].hi() >= 0.0;
+    may_be[1] = may_be[1] && weight[k].lo() <= 0.0;
+    must_be[0] = must_be[0] && weight[k].lo() >= 0.0;
+    must_be[1] = must_be[1] && weight[k].hi() <= 0.0;
+  }
+  TestBand band;
+  band.possible = may_be[0] || may_be[1];
+  if (!band.possible) return band;
+  const Bounded det = ops.add(ops.add(weight[0], weight[1]), weight[2]);
+  const Bounded depth = ops.add(ops.add(ops.mul(weight[0], z[0]), ops.mul(weight[1], z[1])),
+                                ops.mul(weight[2], z[2]));
+  const Bounded r = ops.reciprocal(det);
+  band.t = ops.mul(ops.mul(depth, r), sz);
+  band.u = ops.mul(weight[1], r);
+  band.v = ops.mul(weight[2], r);
+  const bool open = r.e == kInf || band.t.e == kInf;
+  band.certain = (must_be[0] || must_be[1]) && !open && band.t.lo() >= 0.0;
+  band.grazing = open || band.t.lo() < 0.0;
+  band.possible = open || band.t.hi() >= 0.0;
+  return band;
+}
+
+/// Static form of `woop_band`: a corner as seen is wrong by at most 7 u A, A the largest |p - o|.
+bool may_meet_woop(const BoundedOps& ops, const Corners& corners, const Ray& ray) {
+  const int iz = largest_axis(ray.d);
+  const int ix = (iz + 1) % 3;
+  const int iy = (iz + 2) % 3;
+  const double sx = double{ray.d[ix]} / double{ray.d[iz]};
+  const double sy = double{ray.d[iy]} / double{ray.d[iz]};
+  std::array<double, 3> x{}, y{};
+  double far = 0.0;
+  double wide = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double z = double{corners[k][iz]} - double{ray.o[iz]};
+    const double ax = double{corners[k][ix]} - double{ray.o[ix]};
+    const double ay = double{corners[k][iy]} - double{ray.o[iy]};
+    x[k] = ax - sx * z;
+    y[k] = ay - sy * z;
+    far = std::max({far, std::abs(z), std::abs(ax), std::abs(ay)});
+    wide = std::max({wide, std::abs(x[k]), std::abs(y[k])});
+  }
+  // Inverses of the largest numbers, and products near the end of the range, are not spoken of.
+  if (!(8.0 * far * far <= ops.max()) || std::abs(double{ray.d[iz]}) * 4.0 > 1.0 / ops.eta() ||
+      !(std::abs(double{ray.d[iz]}) > 4.0 / ops.max()) ||
+      1.0 / std::abs(double{ray.d[iz]}) < ops.eta() * 0x1p26) {
+    return true;
+  }
+  const double seen = 2.0 * 7.0 * ops.u() * far + 32.0 * ops.eta();
+  const double tolerance = 4.0 * (seen + ops.u() * wide) * (wide + seen) + 32.0 * ops.eta();
+  bool plus = true;
+  bool minus = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t b = (k + 1) % 3;
+    const std::size_t c = (k + 2) % 3;
+    const double weight = x[c] * y[b] - y[c] * x[b];
+    plus = plus && weight >= -tolerance;
+    minus = minus && weight <= tolerance;
+  }
+  return plus || minus;
+}
+
+}  // namespace
+
 TestBand test_band(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
+  if (tri.test == TestKind::Woop) return woop_band(ops, tri.corners, ray);
   const int iu = (tri.w + 1) % 3;
   const int iv = (tri.w + 2) % 3;
   const auto exactly = [](float x) { return Bounded{double{x}, 0.0}; };
@@ -126,10 +236,15 @@ TestBand test_band(const BoundedOps& ops, const TestConstants& tri, const Ray& r
   const Bounded dv = exactly(ray.d[iv]);
   const Bounded au = ops.sub({tri.pu, 0.0}, exactly(ray.o[iu]));
   const Bounded av = ops.sub({tri.pv, 0.0}, exactly(ray.o[iv]));
-  const Bounded aw = ops.sub({tri.pw, 0.0}, exactly(ray.o[tri.w]));
 
   const Bounded det = ops.add(ops.add(ops.mul(nu, du), ops.mul(nv, dv)), exactly(ray.d[tri.w]));
-  const Bounded dett = ops.add(ops.add(ops.mul(nu, au), ops.mul(nv, av)), aw);
+  const Bounded ow = exactly(ray.o[tri.w]);
+  const Bounded dett =
+      tri.test == TestKind::Np
+          ? ops.sub(ops.stored(tri.pw), ops.add(ops.add(ops.mul(nu, exactly(ray.o[iu])),
+                                                        ops.mul(nv, exactly(ray.o[iv]))),
+                                                ow))
+          : ops.add(ops.add(ops.mul(nu, au), ops.mul(nv, av)), ops.sub({tri.pw, 0.0}, ow));
   const Bounded big_u = ops.sub(ops.mul(du, dett), ops.mul(au, det));
   const Bounded big_v = ops.sub(ops.mul(dv, dett), ops.mul(av, det));
   const Bounded detu =
@@ -176,6 +291,7 @@ bool may_meet(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
   if (ops.u() > 0x1p-7) {
     return true;  // the static form is of first order: too loose a proof for very short fractions
   }
+  if (tri.test == TestKind::Woop) return may_meet_woop(ops, tri.corners, ray);
   const int iu = (tri.w + 1) % 3;
   const int iv = (tri.w + 2) % 3;
   const double du = ray.d[iu];
@@ -183,15 +299,19 @@ bool may_meet(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
   const double dw = ray.d[tri.w];
   const double au = tri.pu - ray.o[iu];
   const double av = tri.pv - ray.o[iv];
-  const double aw = tri.pw - ray.o[tri.w];
+  const double aw = tri.corners[0][tri.w] - ray.o[tri.w];
   const double det = tri.nu * du + tri.nv * dv + dw;
   const double dett = tri.nu * au + tri.nv * av + aw;
+  // As published, dett grows with the distance from the origin of space instead.
+  const double space = tri.test == TestKind::Np ? std::abs(tri.pw) + std::abs(ray.o[iu]) +
+                                                      std::abs(ray.o[iv]) + std::abs(ray.o[tri.w])
+                                                : 0.0;
   const double big_u = du * dett - au * det;
   const double big_v = dv * dett - av * det;
   const double detu = tri.e1v * big_u - tri.e1u * big_v;
   const double detv = tri.e0u * big_v - tri.e0v * big_u;
 
-  const double a = std::max({std::abs(au), std::abs(av), std::abs(aw)});
+  const double a = std::max({std::abs(au), std::abs(av), std::abs(aw), space});
   const double d = std::max({std::abs(du), std::abs(dv), std::abs(dw)});
   const double s0 = std::abs(tri.e0u) + std::abs(tri.e0v);
   const double s1 = std::abs(tri.e1u) + std::abs(tri.e1v);

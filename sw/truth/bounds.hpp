@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "accel/image.hpp"
 #include "base/format.hpp"
 #include "scene/ray.hpp"
 #include "truth/exact.hpp"
@@ -45,16 +46,19 @@ class BoundedOps {
   double u_, eta_, max_;
 };
 
-/// The constants of a triangle for the test (local form of Shevtsov et al. 2007), in double before
-/// they are rounded.
+/// The constants of a triangle for its test, in double before they are rounded: Shevtsov's (2007),
+/// `pw` of the test `Np` being n.p / n_w, or the corners, of Woop's.
 struct TestConstants {
+  TestKind test = TestKind::Local;
+  Corners corners{};
   int w = 0;  ///< axis of the largest |n|, the lowest at a tie; u and v follow cyclically
   double nu = 0, nv = 0, pu = 0, pv = 0, pw = 0, e0u = 0, e0v = 0, e1u = 0, e1v = 0;
 };
 
 /// Constants of `triangle` to about 2^-44; none when its area is exactly zero, a corner is not
 /// finite, or a constant overflows `format`: the triangles that the builder drops.
-[[nodiscard]] std::optional<TestConstants> test_constants(const Corners& triangle, Format format);
+[[nodiscard]] std::optional<TestConstants> test_constants(const Corners& triangle, Format format,
+                                                          TestKind test = TestKind::Local);
 
 /// All that the test in the format can come to for one ray and triangle, tmin and tmax left aside.
 struct TestBand {
@@ -69,8 +73,8 @@ struct TestBand {
   [[nodiscard]] double t_hi() const { return t.hi(); }
 };
 
-/// The bounds of numerics: E_det, E_dett (local), E_Du, E_u, E_0, by running the test of the engine
-/// on `Bounded` numbers. `ray` is in the format and valid.
+/// The bounds of numerics: E_det, E_dett, E_Du, E_u, E_0, or those of Woop's edge functions, by
+/// running the test of the engine on `Bounded` numbers. `ray` is in the format and valid.
 [[nodiscard]] TestBand test_band(const BoundedOps& ops, const TestConstants& triangle,
                                  const Ray& ray);
 

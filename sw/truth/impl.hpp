@@ -33,7 +33,8 @@ struct TruthTriangle {
 };
 
 struct Truth::Impl {
-  Impl(const Mesh& mesh, Format number_format, const std::string& device, std::uint64_t most_looks);
+  Impl(const Mesh& mesh, Format number_format, const std::string& device, std::uint64_t most_looks,
+       TestKind test);
 
   Format format;
   std::uint64_t looks;

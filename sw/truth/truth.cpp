@@ -103,7 +103,7 @@ bool valid_ray(const Ray& ray, Format format) {
 }
 
 Truth::Impl::Impl(const Mesh& mesh, Format number_format, const std::string& device,
-                  std::uint64_t most_looks)
+                  std::uint64_t most_looks, TestKind test)
     : format(number_format),
       looks(most_looks),
       ops(number_format),
@@ -127,7 +127,7 @@ Truth::Impl::Impl(const Mesh& mesh, Format number_format, const std::string& dev
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto prim = static_cast<std::int32_t>(i);
     const Corners tri = corners_of(prim);
-    const auto constants = test_constants(tri, format);
+    const auto constants = test_constants(tri, format, test);
     if (!constants) {
       continue;
     }
@@ -193,8 +193,9 @@ Hit Truth::Impl::trace(const Ray& ray) const {
   return result;
 }
 
-Truth::Truth(const Mesh& mesh, Format format, const std::string& device, std::uint64_t looks)
-    : impl_(std::make_unique<Impl>(mesh, format, device, looks)) {}
+Truth::Truth(const Mesh& mesh, Format format, const std::string& device, std::uint64_t looks,
+             TestKind test)
+    : impl_(std::make_unique<Impl>(mesh, format, device, looks, test)) {}
 
 Truth::~Truth() = default;
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "accel/image.hpp"
 #include "base/format.hpp"
 #include "scene/mesh.hpp"
 #include "scene/ray.hpp"
@@ -43,9 +44,9 @@ class Truth {
   /// one takes 10 to 100 ns, so these come to minutes.
   static constexpr std::uint64_t kLooks = std::uint64_t{1} << 32;
 
-  /// `device` configures Embree (`EmbreeScene`).
+  /// `device` configures Embree (`EmbreeScene`), `test` says whose bounds hits are held to.
   Truth(const Mesh& mesh, Format format, const std::string& device = "",
-        std::uint64_t looks = kLooks);
+        std::uint64_t looks = kLooks, TestKind test = TestKind::Local);
   ~Truth();
   Truth(const Truth&) = delete;
   Truth& operator=(const Truth&) = delete;

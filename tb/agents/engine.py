@@ -47,7 +47,7 @@ class Bench:
             for name in ("node_base", "list_base", "plane_base", "bary_base")
         }
         lo, hi = scene.box
-        counts = {"num_list": len(scene.ids), "num_records": len(scene.planes)}
+        counts = {"num_list": len(scene.ids), "num_records": scene.count}
         beat = payloads().pack("scene_t", sections | counts, root=scene.root, box_lo=lo, box_hi=hi)
         self.dut.scene_i.value = beat
         keys = configuration()

@@ -35,9 +35,7 @@ class LeafTests:
             return
         for record in self._scene.ids[leaf["first"] : leaf["first"] + leaf["count"]]:
             token = {"home": leaf["home"], "count": 1}
-            hit = self._scene.test(
-                record, *leaf["operands"].values(), leaf["tnear"], leaf["tfar"]
-            ).hit
+            hit = self._scene.test(record, leaf["operands"], leaf["tnear"], leaf["tfar"]).hit
             if hit:
                 token.update(zip("tuv", hit, strict=True), hit=1, prim=self._scene.prim(record))
             yield token

@@ -12,7 +12,7 @@ from agents.stream import Sink, Source
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import numbers
 from models.payload import payloads
-from models.rays import clip, dispatched, ray
+from models.rays import clip, dispatched, ray, unit_box
 from models.scene import BASE
 from models.traced import tracer
 
@@ -71,7 +71,7 @@ def dispatch(scene, given, ray_id=0, any_hit=0):
     miss, _, inv, tmin, tmax = clip(*scene.box, given)
     if miss:
         return None
-    return dispatched(given, inv, tmin, tmax, ray_id, any_hit)
+    return dispatched(scene.box, given, inv, tmin, tmax, ray_id, any_hit)
 
 
 def tracer_of(dut, scene):
@@ -117,7 +117,7 @@ def lone_ray(ray_id=0):
     """A dispatch along x that every `inner(7, split=9.0)` sends on to the node after it."""
     n = numbers()
     given = ray(n.vec((-1, 0, 0)), n.vec((1, 0.5, 0.5)))
-    return dispatched(given, n.vec((1, 2, 2)), 0, n.of(2.0), ray_id)
+    return dispatched(unit_box(), given, n.vec((1, 2, 2)), 0, n.of(2.0), ray_id)
 
 
 def put_nodes(dut, nodes, **memory):

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,21 @@ namespace nb = nanobind;
 using Corner = std::array<float, 3>;
 using Triangle = std::array<Corner, 3>;
 
+/// The one of `names` that is `name`, as a number.
+std::size_t number_of(std::span<const char* const> names, const std::string& name) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (name == names[i]) return i;
+  }
+  throw nb::value_error(("no value " + name).c_str());
+}
+
+TestKind test_of(const std::string& name) {
+  return test_kind(static_cast<TriangleTest>(number_of(kTriangleTestNames, name)));
+}
+
 /// The image of triangles that share no vertex; triangle i is primitive i.
-std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangles) {
+std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangles,
+                             const std::string& test) {
   Mesh mesh;
   for (const Triangle& triangle : triangles) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -33,6 +47,7 @@ std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangle
   }
   BuildOptions options;
   options.format = {e, m};
+  options.test = test_of(test);
   BuildStats stats;
   return std::make_unique<Image>(build_image(mesh, options, stats));
 }
@@ -62,6 +77,7 @@ Traced trace(const Tracer& tracer, const Corner& o, const Corner& d, float tmin,
 void bind_image(nb::module_& module) {
   nb::class_<Image>(module, "Image", "A memory image; offsets count bytes from its start.")
       .def_static("build", &build, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("triangles"),
+                  nb::arg("test") = "local",
                   "Tree and image of triangles, each ((x, y, z), (x, y, z), (x, y, z)).")
       .def_prop_ro(
           "bytes",
@@ -75,7 +91,8 @@ void bind_image(nb::module_& module) {
                    [](const Image& image) { return image.parts().triangle_count; })
       .def_prop_ro("node_offset", [](const Image& image) { return image.parts().node_offset; })
       .def_prop_ro("list_offset", [](const Image& image) { return image.parts().list_offset; })
-      .def_prop_ro("plane_offset", [](const Image& image) { return image.parts().plane_offset; })
+      .def_prop_ro("record_offset",
+                   [](const Image& image) { return image.parts().record_offset(); })
       .def_prop_ro("bary_offset", [](const Image& image) { return image.parts().bary_offset; })
       .def_prop_ro("box_lo", [](const Image& image) { return image.header().box_lo; })
       .def_prop_ro("box_hi", [](const Image& image) { return image.header().box_hi; });
@@ -102,14 +119,17 @@ void bind_tracer(nb::module_& module) {
       .def_static(
           "create",
           [](const Image& image, int stack_depth, int watchdog_steps, bool interval_cull,
-             int interval_guard, bool early_exit, bool restart, bool any_hit) {
-            return Tracer::create(image, {stack_depth, watchdog_steps, interval_cull,
-                                          interval_guard, early_exit, restart, any_hit});
+             int interval_guard, bool early_exit, bool restart, bool any_hit,
+             const std::string& traversal) {
+            return Tracer::create(
+                image,
+                {stack_depth, watchdog_steps, interval_cull, interval_guard, early_exit, restart,
+                 static_cast<Traversal>(number_of(kTraversalNames, traversal)), any_hit});
           },
           nb::arg("image"), nb::arg("stack_depth") = 4, nb::arg("watchdog_steps") = 65535,
           nb::arg("interval_cull") = true, nb::arg("interval_guard") = 4,
           nb::arg("early_exit") = true, nb::arg("restart") = true, nb::arg("any_hit") = true,
-          nb::keep_alive<0, 1>())
+          nb::arg("traversal") = "plain", nb::keep_alive<0, 1>())
       .def("trace", &trace, nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
            nb::arg("any_hit") = false);
 }
@@ -117,6 +137,9 @@ void bind_tracer(nb::module_& module) {
 }  // namespace
 
 void bind_scene(nb::module_& module) {
+  module.def(
+      "corner_bytes", [](int e, int m) { return corner_bytes({e, m}); }, nb::arg("exp_bits"),
+      nb::arg("frac_bits"), "Bytes of a packed record of Woop's test.");
   bind_image(module);
   bind_tracer(module);
 }

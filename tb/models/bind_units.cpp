@@ -15,6 +15,7 @@
 #include "model/ist2.hpp"
 #include "model/rd.hpp"
 #include "model/trv.hpp"
+#include "model/woop_test.hpp"
 
 namespace ti {
 namespace {
@@ -33,14 +34,62 @@ Vec3<F> vec(const Bits3& bits) {
 
 ImagePlane plane_of(const Plane& w) { return {w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7]}; }
 
+template <typename F>
+Bits3 bits_of(const Vec3<F>& v) {
+  return {v[0].bits(), v[1].bits(), v[2].bits()};
+}
+
 std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(int e, int m, const Bits3& lo, const Bits3& hi,
                                                   const Bits3& o, const Bits3& d, Bits tmin,
-                                                  Bits tmax) {
+                                                  Bits tmax, bool padded) {
   return in_format<UnitFormats>(e, m, [&]<typename F>() {
     const model::FpRay<F> ray{vec<F>(o), vec<F>(d), F::from_bits(tmin), F::from_bits(tmax)};
-    const auto c = model::clip(model::Box<F>{vec<F>(lo), vec<F>(hi)}, ray);
-    const Bits3 inv{c.inv[0].bits(), c.inv[1].bits(), c.inv[2].bits()};
-    return std::tuple{c.miss, static_cast<int>(c.status), inv, c.tmin.bits(), c.tmax.bits()};
+    const model::Box<F> box{vec<F>(lo), vec<F>(hi)};
+    const auto origins =
+        padded ? model::thick_origins(box, ray.o, ray.d) : model::Origins<F>{ray.o, ray.o};
+    const auto c = model::clip(box, ray, origins);
+    return std::tuple{c.miss, static_cast<int>(c.status), bits_of(c.inv), c.tmin.bits(),
+                      c.tmax.bits()};
+  });
+}
+
+std::tuple<Bits3, Bits3> thick_origins(int e, int m, const Bits3& lo, const Bits3& hi,
+                                       const Bits3& o, const Bits3& d) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+    const auto origins =
+        model::thick_origins(model::Box<F>{vec<F>(lo), vec<F>(hi)}, vec<F>(o), vec<F>(d));
+    return std::tuple{bits_of(origins.least), bits_of(origins.most)};
+  });
+}
+
+std::tuple<int, Bits3> shear(int e, int m, const Bits3& d, const Bits3& inv) {
+  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+    const auto made = model::shear_of(vec<F>(d), vec<F>(inv));
+    return std::tuple{static_cast<int>(made.z), bits_of(Vec3<F>{made.sx, made.sy, made.sz})};
+  });
+}
+
+std::optional<std::tuple<Bits3, Bits3>> edge_functions(int e, int m,
+                                                       const std::array<Bits3, 3>& corners,
+                                                       const Bits3& o, int z, const Bits3& shear) {
+  using Result = std::optional<std::tuple<Bits3, Bits3>>;
+  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+    const auto [sx, sy, sz] = vec<F>(shear);
+    const auto edges =
+        model::edge_functions<F>({vec<F>(corners[0]), vec<F>(corners[1]), vec<F>(corners[2])},
+                                 vec<F>(o), {static_cast<std::size_t>(z), sx, sy, sz});
+    if (!edges) return std::nullopt;
+    return std::tuple{bits_of(edges->weight), bits_of(edges->z)};
+  });
+}
+
+std::optional<std::tuple<Bits, Bits, Bits>> woop_pass_c(int e, int m, const Bits3& weight,
+                                                        const Bits3& z, Bits sz) {
+  using Result = std::optional<std::tuple<Bits, Bits, Bits>>;
+  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+    const auto c = model::pass_c(model::Edges<F>{vec<F>(weight), vec<F>(z)}, F::from_bits(sz));
+    if (!c) return std::nullopt;
+    return std::tuple{c->t.bits(), c->u.bits(), c->v.bits()};
   });
 }
 
@@ -62,10 +111,12 @@ std::tuple<Bits, Bits> ordered(Bits link, Bits index, bool negative) {
 }
 
 std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, const Bits3& d,
-                            Bits tnear, Bits tfar) {
+                            Bits tnear, Bits tfar, bool as_published) {
   return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
     const model::TestRange<F> range{F::from_bits(tnear), F::from_bits(tfar)};
-    const auto a = model::pass_a(plane_of(plane), vec<F>(o), vec<F>(d), range);
+    const auto a =
+        as_published ? model::pass_a<TestKind::Np>(plane_of(plane), vec<F>(o), vec<F>(d), range)
+                     : model::pass_a<TestKind::Local>(plane_of(plane), vec<F>(o), vec<F>(d), range);
     if (!a) return std::nullopt;
     return Bits4{a->det.bits(), a->dett.bits(), a->audet.bits(), a->av.bits()};
   });
@@ -100,7 +151,18 @@ std::optional<std::tuple<Bits, Bits, Bits>> pass_c(int e, int m, const Bits4& af
 void bind_units(nb::module_& module) {
   module.def("clip", &clip_ray, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("box_lo"),
              nb::arg("box_hi"), nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
-             "Set-up of a ray: (miss, status, inv, tmin, tmax).");
+             nb::arg("padded") = false, "Set-up of a ray: (miss, status, inv, tmin, tmax).");
+  module.def("thick_origins", &thick_origins, nb::arg("exp_bits"), nb::arg("frac_bits"),
+             nb::arg("box_lo"), nb::arg("box_hi"), nb::arg("o"), nb::arg("d"),
+             "(least, most): the origins of a thick ray.");
+  module.def("shear", &shear, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("d"),
+             nb::arg("inv"), "(z, (sx, sy, sz)) of Woop's test.");
+  module.def("edge_functions", &edge_functions, nb::arg("exp_bits"), nb::arg("frac_bits"),
+             nb::arg("corners"), nb::arg("o"), nb::arg("z"), nb::arg("shear"),
+             "(weights, ways along z) of the corners, or None when the ray passes outside.");
+  module.def("woop_pass_c", &woop_pass_c, nb::arg("exp_bits"), nb::arg("frac_bits"),
+             nb::arg("weight"), nb::arg("z"), nb::arg("sz"),
+             "(t, u, v), or None when t is not finite or less than 0.");
   module.def("split_distance", &split_distance, nb::arg("exp_bits"), nb::arg("frac_bits"),
              nb::arg("value"), nb::arg("link"), nb::arg("o"), nb::arg("inv"));
   module.def("choose", &choose, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("t"),
@@ -109,6 +171,7 @@ void bind_units(nb::module_& module) {
              "(near, far) of the inner node at `index`.");
   module.def("pass_a", &pass_a, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
              nb::arg("o"), nb::arg("d"), nb::arg("tnear"), nb::arg("tfar"),
+             nb::arg("as_published") = false,
              "(det, dett, audet, av), or None when the test is over.");
   module.def("pass_b", &pass_b, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
              nb::arg("bary"), nb::arg("d"), nb::arg("after_a"),

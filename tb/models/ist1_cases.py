@@ -6,6 +6,7 @@ finite and not 0, as pass (a) leaves it.
 """
 
 from models.numbers import numbers
+from models.payload import configuration
 from models.scene import Scene, rays_through, soup
 
 
@@ -13,12 +14,17 @@ def plane_words(nu, nv, p, axis, prim=0):
     return (nu, nv, *p, axis, prim, 0)
 
 
+def pass_a(*case):
+    """Pass (a) of the configuration's test."""
+    return numbers().model("pass_a", *case, configuration()["triangle_test"] == "np")
+
+
 def expected(case):
     """What the model makes of a case: (det, dett, x, y), or None when the test is done."""
     n, plane = numbers(), case.get("plane", plane_words(0, 0, (0, 0, 0), case["axis"]))
     if "after_a" in case:
         return n.model("pass_b", plane, case["bary"], case["d"], case["after_a"])
-    return n.model("pass_a", plane, case["o"], case["d"], case["tnear"], case["tfar"])
+    return pass_a(plane, case["o"], case["d"], case["tnear"], case["tfar"])
 
 
 def pass_a_cases(rng, count):
@@ -73,7 +79,7 @@ def near_end(rng, count, end):
         )
         o = n.vec(rng.uniform(-2, 2) * scale for _ in range(3))
         d = n.direction(rng)
-        a = n.model("pass_a", plane, o, d, 0, n.inf)
+        a = pass_a(plane, o, d, 0, n.inf)
         if a is None:
             continue
         hit = n.model("pass_c", (a[0], a[1], 0, 0))
@@ -95,9 +101,9 @@ def pass_b_cases(rng, count):
     left = count // 2
     while left > 0:
         for o, d in rays_through(rng, left):
-            record = rng.randrange(len(scene.planes))
+            record = rng.randrange(scene.count)
             plane = scene.planes[record]
-            after_a = n.model("pass_a", plane, o, d, 0, n.inf)
+            after_a = pass_a(plane, o, d, 0, n.inf)
             if after_a is not None:
                 left -= 1
                 yield case_b(scene.barys[record], plane[5], d, after_a)

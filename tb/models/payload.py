@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import cocotb
+import config_schema
 import counters
 
 RTL = Path(__file__).resolve().parents[2] / "rtl"
@@ -37,8 +38,11 @@ class Payloads:
         text = "".join(path.read_text() for path in sources if path.stem.endswith("_pkg"))
         text = re.sub(r"//[^\n]*", "", text + counters.package(config))
         self._constants = {_camel(key): value for key, value in config.items()}
+        for name, key in config_schema.load().keys.items():
+            for value in key.values or ():
+                self._constants[_camel(name) + _camel(value)] = value
         for name, expression in CONSTANT.findall(text):
-            if re.fullmatch(r"[\w\s:$()>?*+&\[\]-]+", expression):
+            if re.fullmatch(r"[\w\s:$()<>=?*+&\[\]-]+", expression):
                 self._constants[name] = self._evaluate(expression)
             elif array := re.fullmatch(r"'\{([^{}]+)\}", expression):
                 parts = array[1].split(",")

@@ -2,7 +2,7 @@
 """Rays and boxes as bits: the corner cases of ray set-up, and random ones."""
 
 from models.numbers import numbers
-from models.payload import payloads
+from models.payload import configuration, payloads
 
 KEYS = ("o", "d", "tmin", "tmax")
 
@@ -38,18 +38,42 @@ def setup_cases(rng, count):
 
 def clip(box_lo, box_hi, given):
     """What the model makes of a ray: (miss, status, inverse, tmin, tmax)."""
-    miss, status, inv, tmin, tmax = numbers().model("clip", box_lo, box_hi, *given.values())
+    miss, status, inv, tmin, tmax = numbers().model(
+        "clip", box_lo, box_hi, *given.values(), padded()
+    )
     return int(miss), status, tuple(inv), tmin, tmax
 
 
-def dispatched(given, inv, tmin, tmax, ray_id=0, any_hit=0):
-    """A ray as RD sends it to its home."""
-    operands = {"o": given["o"], "d": given["d"]}
+def padded():
+    """Whether the configuration's rays are thick."""
+    return configuration()["traversal"] == "padded"
+
+
+def origins(box_lo, box_hi, o, d):
+    """Where a ray begins for its way through the tree."""
+    least, most = (o, o)
+    if padded():
+        least, most = numbers().model("thick_origins", box_lo, box_hi, o, d)
+    return {"least": tuple(least), "most": tuple(most)}
+
+
+def operands(o, d):
+    """What the configuration's triangle test needs of a ray."""
+    if configuration()["triangle_test"] != "woop":
+        return {"o": o, "d": d, "z": 0}
+    n = numbers()
+    z, shear = n.model("shear", d, [n.model("fp_rcp", x) for x in d])
+    return {"o": o, "d": tuple(shear), "z": z}
+
+
+def dispatched(box, given, inv, tmin, tmax, ray_id=0, any_hit=0):
+    """A ray as RD sends it to its home, in a scene of that box."""
     return payloads().pack(
         "dispatch_t",
         ray_id=ray_id,
         any_hit=any_hit,
-        operands=operands,
+        operands=operands(given["o"], given["d"]),
+        origins=origins(*box, given["o"], given["d"]),
         ray_tmin=given["tmin"],
         ray_tmax=given["tmax"],
         inv=inv,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import ti_model
 from models.numbers import numbers
-from models.payload import payloads
+from models.payload import configuration, payloads
 
 BASE = 0x100000  # address of the image in memory
 
@@ -15,8 +15,8 @@ BASE = 0x100000  # address of the image in memory
 class Outcome:
     """What becomes of one ray against one triangle."""
 
-    passes: int  # 1: done after pass (a), 2: after (b), 3: inside, (c) is taken
-    after_b: tuple | None = None  # det, dett, detu, detv
+    passes: str  # those that it takes: a, ab or abc; of Woop's test a or ac
+    after_b: tuple | None = None  # det, dett, detu, detv; of Woop's test weights, ways along z, sz
     hit: tuple | None = None  # t, u, v when t is finite
 
 
@@ -25,38 +25,61 @@ class Scene:
 
     def __init__(self, triangles):
         self.triangles = triangles
-        self.image = ti_model.Image.build(*payloads().format, triangles)
+        self.test_kind = configuration()["triangle_test"]
+        self.image = ti_model.Image.build(*payloads().format, triangles, self.test_kind)
         self.bytes = self.image.bytes
         self.root = self.image.root
         self.node_base = BASE + self.image.node_offset
         self.list_base = BASE + self.image.list_offset
-        self.plane_base = BASE + self.image.plane_offset
+        self.plane_base = BASE + self.image.record_offset
         self.bary_base = BASE + self.image.bary_offset
         self.box = tuple(self.image.box_lo), tuple(self.image.box_hi)
         count = self.image.triangle_count
         self.nodes = self._records(self.image.node_offset, self.image.node_count, 2)
         self.ids = [r[0] for r in self._records(self.image.list_offset, self.image.list_count, 1)]
-        self.planes = self._records(self.image.plane_offset, count, 8)
-        self.barys = self._records(self.image.bary_offset, count, 4)
+        self.count = count
+        if self.test_kind == "woop":
+            size = ti_model.corner_bytes(*payloads().format)
+            self.parts = [(self.plane_base, size, count)]
+            self.corners = [self._corners(i, size) for i in range(count)]
+        else:
+            self.planes = self._records(self.image.record_offset, count, 8)
+            self.barys = self._records(self.image.bary_offset, count, 4)
+            self.parts = [(self.plane_base, 32, count), (self.bary_base, 16, count)]
 
     def _records(self, offset, count, words):
         end = offset + 4 * words * count
         return list(struct.iter_unpack(f"<{words}I", self.bytes[offset:end]))
 
-    def prim(self, record):
-        return self.planes[record][6]
+    def _corners(self, record, size):
+        """(prim, corners) of a record of Woop's test, packed into `size` bytes."""
+        width = payloads().width("fp_t")
+        start = self.image.record_offset + size * record
+        bits = int.from_bytes(self.bytes[start : start + size], "little")
+        words = [bits >> i * width & ((1 << width) - 1) for i in range(9)]
+        return bits >> 9 * width & 0xFFFFFFFF, [tuple(words[i : i + 3]) for i in (0, 3, 6)]
 
-    def test(self, record, o, d, tnear, tfar):
-        """The three passes of the model on bits."""
+    def prim(self, record):
+        return self.corners[record][0] if self.test_kind == "woop" else self.planes[record][6]
+
+    def test(self, record, operands, tnear, tfar):
+        """The passes of the model on bits; Woop's test has no (b)."""
         n = numbers()
+        o, d = operands["o"], operands["d"]
+        if self.test_kind == "woop":
+            edges = n.model("edge_functions", self.corners[record][1], o, operands["z"], d)
+            if edges is None:
+                return Outcome("a")
+            after = *(tuple(part) for part in edges), d[2]
+            return Outcome("ac", after, n.model("woop_pass_c", *after))
         plane, bary = self.planes[record], self.barys[record]
-        after_a = n.model("pass_a", plane, o, d, tnear, tfar)
+        after_a = n.model("pass_a", plane, o, d, tnear, tfar, self.test_kind == "np")
         if after_a is None:
-            return Outcome(1)
+            return Outcome("a")
         after_b = n.model("pass_b", plane, bary, d, after_a)
         if after_b is None:
-            return Outcome(2)
-        return Outcome(3, after_b, n.model("pass_c", after_b))
+            return Outcome("ab")
+        return Outcome("abc", after_b, n.model("pass_c", after_b))
 
     def aimed(self, rng, record):
         """(o, d) of a ray that meets the triangle near its middle."""

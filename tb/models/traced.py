@@ -25,6 +25,7 @@ def tracer(scene, depth, watchdog):
         config["early_exit"],
         config["restart"],
         config["any_hit"],
+        config["traversal"],
     )
 
 

@@ -287,7 +287,7 @@ async def a_corrupt_list_ends_its_rays_with_an_error(dut):
     def corrupt(scene):
         data = bytearray(scene.bytes)
         for i in range(len(scene.ids)):
-            wrong = rng.choice((len(scene.planes), 1 << 27, (1 << 27) + 1, (1 << 29) - 1, 1 << 31))
+            wrong = rng.choice((scene.count, 1 << 27, (1 << 27) + 1, (1 << 29) - 1, 1 << 31))
             place = scene.list_base - BASE + 4 * i
             data[place : place + 4] = struct.pack("<I", wrong)
         return bytes(data)

@@ -13,6 +13,7 @@ from agents.stream import Sink, Source, stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
 from models.payload import configuration, parameter, payloads
+from models.rays import operands
 from models.scene import BASE, Scene, rays_through, soup
 
 SLOTS_TO_FILL = 64  # fewer cannot keep the pipeline busy
@@ -51,31 +52,31 @@ def random_tests(rng, scene, count):
     """Half of them aimed at their triangle."""
     n = numbers()
     for i, (o, d) in enumerate(rays_through(rng, count)):
-        record = rng.randrange(len(scene.planes))
+        record = rng.randrange(scene.count)
         if i % 2:
             o, d = scene.aimed(rng, record)
         yield {
             "home": {"trv": i & 1, "slot": i >> 1 & 7},
             "record": record,
-            "operands": {"o": o, "d": d},
+            "operands": operands(o, d),
             "tnear": 0 if rng.random() < 0.5 else n.of(rng.uniform(0, 1)),
             "tfar": n.inf if rng.random() < 0.5 else n.of(rng.uniform(0, 2)),
         }
 
 
 def outcome(scene, test):
-    return scene.test(test["record"], *test["operands"].values(), test["tnear"], test["tfar"])
+    return scene.test(test["record"], test["operands"], test["tnear"], test["tfar"])
 
 
 def passes(scene, test):
     """How many passes a test takes, (c) included."""
-    return outcome(scene, test).passes if EARLY_EXIT else 3
+    return len(outcome(scene, test).passes) if EARLY_EXIT else 3
 
 
 def candidate(scene, test):
     """The candidate of a test that is inside, else None; without early exit a miss is one too."""
     result = outcome(scene, test)
-    if result.passes < 3:
+    if "c" not in result.passes:
         return None if EARLY_EXIT else payloads().pack("candidate_t", home=test["home"], miss=1)
     parts = dict(zip(("det", "dett", "detu", "detv"), result.after_b, strict=True))
     prim = scene.prim(test["record"])
@@ -142,7 +143,7 @@ async def a_memory_error_comes_back_as_one(dut, part):
 
     def fails(rng, scene):
         start, size = {"plane": (scene.plane_base, 32), "bary": (scene.bary_base, 16)}[part]
-        bad = {(start + size * r) // line_bytes for r in range(0, len(scene.planes), 7)}
+        bad = {(start + size * r) // line_bytes for r in range(0, scene.count, 7)}
         return lambda line: line in bad
 
     rng, bench = await setup(dut, fails=fails)
@@ -175,7 +176,7 @@ async def a_memory_error_comes_back_as_one(dut, part):
 async def a_miss_in_pass_a_fetches_nothing_more(dut):
     rng, bench = await setup(dut, size=0.3)
     scene, memory = bench.scene, bench.memory
-    todo = [t for t in random_tests(rng, scene, 500) if outcome(scene, t).passes == 1]
+    todo = [t for t in random_tests(rng, scene, 500) if outcome(scene, t).passes == "a"]
 
     await collect(dut, rng, todo, ([], [token(test) for test in todo]), 1.0, 1.0)
 
@@ -188,13 +189,13 @@ async def without_early_exit_each_test_takes_both_passes_and_goes_on_to_ist2(dut
     """Also one with det = 0, one whose numbers are NaN, and one that (b) alone would keep."""
     rng, bench = await setup(dut, triangles=20)
     scene, n = bench.scene, numbers()
-    todo = [t for t in random_tests(rng, scene, 300) if outcome(scene, t).passes < 3]
-    inside = [t for t in random_tests(rng, scene, 400) if outcome(scene, t).passes == 3]
+    todo = [t for t in random_tests(rng, scene, 300) if outcome(scene, t).passes != "abc"]
+    inside = [t for t in random_tests(rng, scene, 400) if outcome(scene, t).passes == "abc"]
     for test in inside[:50]:
         behind = {**test, "tfar": n.of(1e-4), "tnear": 0}
         nan = {**test, "operands": {"o": (n.nan,) * 3, "d": test["operands"]["d"]}}
         still = {**test, "operands": {"o": test["operands"]["o"], "d": (0, 0, 0)}}
-        todo += [t for t in (behind, nan, still) if outcome(scene, t).passes == 1]
+        todo += [t for t in (behind, nan, still) if outcome(scene, t).passes == "a"]
     assert len(todo) > 200
 
     await collect(dut, rng, todo, ([candidate(scene, test) for test in todo], []), 1.0, 0.7)
@@ -205,7 +206,7 @@ async def without_early_exit_each_test_takes_both_passes_and_goes_on_to_ist2(dut
 @cocotb.test()
 async def a_pass_takes_its_latency_from_the_answer_to_the_result(dut):
     rng, bench = await setup(dut)
-    todo = one_that_takes(rng, bench.scene, 3)
+    todo = one_that_takes(rng, bench.scene, "abc")
     dut.candidate_ready_i.value = 1
     cocotb.start_soon(Source(dut, "test").send([payloads().pack("test_t", todo)]))
 
@@ -222,15 +223,15 @@ async def a_pass_takes_its_latency_from_the_answer_to_the_result(dut):
 
 
 @cocotb.test(skip=parameter("NumSlots") < SLOTS_TO_FILL)
-@cocotb.parametrize(wanted=[1, 2, 3, 0])
+@cocotb.parametrize(wanted=["a", "ab", "abc", ""])
 async def takes_one_pass_every_cycle(dut, wanted):
     """With all lines in the L1 and a test always waiting, over 500 cycles.
 
-    The tests take `wanted` passes each; 0: any number.
+    The tests take the `wanted` passes each; none: any.
     """
     rng, bench = await setup(dut, triangles=12)
     scene, events = bench.scene, bench.events
-    pool = [t for t in random_tests(rng, scene, 2000) if wanted in (0, outcome(scene, t).passes)]
+    pool = [t for t in random_tests(rng, scene, 2000) if wanted in ("", outcome(scene, t).passes)]
     packed = [payloads().pack("test_t", test) for test in pool]
     dut.candidate_ready_i.value = dut.return_ready_i.value = 1
     source = Source(dut, "test")
@@ -246,14 +247,14 @@ async def takes_one_pass_every_cycle(dut, wanted):
 
 
 def one_that_takes(rng, scene, passes):
-    """One that takes so many passes."""
+    """One that takes these passes."""
     return next(t for t in random_tests(rng, scene, 1000) if outcome(scene, t).passes == passes)
 
 
 @cocotb.test()
 async def a_flush_makes_it_ask_for_its_lines_again(dut):
     rng, bench = await setup(dut)
-    todo = one_that_takes(rng, bench.scene, 3)
+    todo = one_that_takes(rng, bench.scene, "abc")
 
     async def lines_asked_for():
         before = len(bench.memory.asked)
@@ -284,11 +285,11 @@ async def tells_what_it_does_in_each_cycle(dut):
 
     assert await during(20) == {"empty": 20}
 
-    for passes in (3, 1):
+    for passes in ("abc", "a"):
         beat = payloads().pack("test_t", one_that_takes(rng, bench.scene, passes))
         held[0] = True
         cocotb.start_soon(source.send([beat]))
-        for _ in range(min(passes, 2)):  # a part for each of the first two passes
+        for _ in range(min(len(passes), 2)):  # a part for each of the first two passes
             await ClockCycles(dut.clk_i, 50)
             assert await during(30) == {"memory": 30}
             memory.release(memory.held()[0])
@@ -296,7 +297,7 @@ async def tells_what_it_does_in_each_cycle(dut):
         held[0] = False
 
         cocotb.start_soon(source.send([beat]))  # its lines are in the L1
-        works = min(passes, 2)
+        works = min(len(passes), 2)
         steps = works * (3 + 1 + int(dut.PassLatency.value) - 1) + 2
         moves = {"empty": 1 + 99 - works - steps, "works": works, "latency": steps}
         assert await during(100) == moves

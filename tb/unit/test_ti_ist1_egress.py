@@ -11,7 +11,16 @@ from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.payload import payloads
 
 KINDS = ("inside", "miss", "failed")
-FIELDS = ("prim", "det", "dett", "detu", "detv")
+FIELDS = ("prim", "values")
+VALUES = ("det", "dett", "detu", "detv")  # from the highest bits on
+
+
+def candidate(home, values):
+    width = payloads().width("fp_t")
+    parts = {k: values["values"] >> width * i for i, k in enumerate(reversed(VALUES))}
+    parts = {k: part & ((1 << width) - 1) for k, part in parts.items()}
+    rest = {k: values[k] for k in ("miss", "prim")}
+    return payloads().pack("candidate_t", {**parts, **rest}, home=home)
 
 
 class Passes:
@@ -77,7 +86,7 @@ class Passes:
             results.append((kind, slot))
             dut.inside_miss_i.value = values["miss"] = rng.getrandbits(1)
             if kind == "inside":
-                self.sent[kind].append(payloads().pack("candidate_t", values, home=home))
+                self.sent[kind].append(candidate(home, values))
             else:
                 self.sent[kind].append(payloads().pack("return_t", home=home, count=1))
         if self._inside["failed"] and self._finishes():

@@ -7,7 +7,7 @@ from agents.bench import run, start
 from agents.fixed_latency import replay
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
-from models.payload import payloads
+from models.payload import parameter, payloads
 
 FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
 TAG_WIDTH = 9
@@ -59,6 +59,7 @@ def beat(rng, axis, split, o, inv):
         "split": split,
         "word": node_word(rng, axis),
         "o": o,
+        "most": o if rng.random() < 0.5 else numbers().any_vec(rng),
         "inv": inv,
         "tag": rng.getrandbits(TAG_WIDTH),
     }
@@ -68,28 +69,29 @@ def ports(case):
     p = payloads()
     return {
         "node_i": case["word"] << 32 | case["split"],
-        "o_i": p.pack_vec(case["o"]),
+        "origins_i": p.pack("origins_t", least=case["o"], most=case["most"]),
         "inv_i": p.pack_vec(case["inv"]),
         "tag_i": case["tag"],
     }
 
 
 def expected(case):
-    """(tag, node, sign of the direction, t); no sign and no t for a leaf."""
+    """(tag, node, sign of the direction, least and greatest t); none of these for a leaf."""
     n, axis = numbers(), case["word"] & 3
     node = case["word"] << 32 | case["split"]
     if axis == 3:
-        return case["tag"], node, None, None
-    t = n.model("split_distance", case["split"], case["word"], case["o"], case["inv"])
-    return case["tag"], node, case["inv"][axis] >> (n.width - 1), t
+        return case["tag"], node, None, None, None
+    origins = (case["o"], case["most"]) if parameter("Padded") else (case["o"],) * 2
+    t = [n.model("split_distance", case["split"], case["word"], o, case["inv"]) for o in origins]
+    return case["tag"], node, case["inv"][axis] >> (n.width - 1), *t
 
 
 def reader(dut):
     def read():
         node = int(dut.node_o.value)
-        rest = (None, None)
+        rest = (None,) * 3
         if node >> 32 & 3 != 3:
-            rest = int(dut.negative_o.value), int(dut.t_o.value)
+            rest = tuple(int(o.value) for o in (dut.negative_o, dut.t_o, dut.t_most_o))
         return int(dut.tag_o.value), node, *rest
 
     return read
@@ -121,7 +123,7 @@ async def gives_nan_exactly_to_rays_in_the_plane(dut):
 
     _, got = await replay(dut, [ports(case) for case in todo], read=reader(dut))
 
-    for case, (_, (_, _, _, t)) in zip(todo, got, strict=True):
+    for case, (_, (_, _, _, t, _)) in zip(todo, got, strict=True):
         o = case["o"][case["word"] & 3]
         in_plane = n.model("fp_eq", case["split"], o)
         assert (t == n.nan) == in_plane and t & (n.sign - 1) >= n.inf, hexed(case)
@@ -169,5 +171,7 @@ async def forgets_what_is_inside_on_reset(dut):
 
 
 @pytest.mark.parametrize("overrides", FORMATS)
-def test_ti_kd_step(overrides):
-    run("ti_kd_step", "test_ti_kd_step", config=f"tiny {overrides}", TagWidth=TAG_WIDTH)
+@pytest.mark.parametrize("padded", [0, 1])
+def test_ti_kd_step(overrides, padded):
+    params = {"TagWidth": TAG_WIDTH, "Padded": padded}
+    run("ti_kd_step", "test_ti_kd_step", config=f"tiny {overrides}", params=params)

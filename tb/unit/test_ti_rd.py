@@ -73,7 +73,7 @@ def expected(ray_id, given):
     if miss:
         values = {"status": status, "prim": (1 << 32) - 1, "t": numbers().inf}
         return "hit_t", payloads().pack("hit_t", values, ray_id=ray_id)
-    return "dispatch_t", dispatched(given, inv, tmin, tmax, ray_id, ray_id & 1)
+    return "dispatch_t", dispatched(unit_box(), given, inv, tmin, tmax, ray_id, ray_id & 1)
 
 
 def inside():
@@ -175,11 +175,13 @@ async def takes_a_ray_in_its_cycles_and_gives_it_after_its_latency(dut):
 
 @cocotb.test()
 async def the_latency_is_that_of_its_steps(dut):
-    """The same for each number of cycles a ray: accept, three axes, gather, check, queue."""
+    """Accept, three axes, gather, check, queue: the same for each number of cycles a ray."""
     await start(dut)
     arithmetic = int(dut.u_clip.AxisLatency.value)
 
-    assert int(dut.Latency.value) == arithmetic + 6
+    thick, shear = int(dut.ThickLatency.value), int(dut.ShearLatency.value)
+    assert int(dut.Latency.value) == arithmetic + 6 + thick + shear
+    assert (thick > 0, shear > 0) == (bool(int(dut.Padded.value)), bool(int(dut.Woop.value)))
     assert int(dut.u_clip.Lanes.value) == 4 - int(dut.RayCycles.value)
 
 
@@ -255,7 +257,7 @@ async def deals_in_tiles_in_turn_while_homes_have_room(dut, p_miss, held):
     rays[0] = outside()  # held, it makes the rays behind it wait
     dut.hit_ready_i.value = 0
 
-    await all_of(dut, rng, rays, homes, events, p_ready=0.05 if held else 1.0)
+    await all_of(dut, rng, rays, homes, events, p_ready=0.01 if held else 1.0)
 
     enter = len(homes.dealt)
     assert [home for _, home, _ in homes.dealt] == dealing([1000] * count, tile, enter)
@@ -354,6 +356,13 @@ def test_ti_rd(params):
 def test_ti_rd_without_any_hit_rays():
     """Every second ray is an any-hit ray, and invalid."""
     run("ti_rd", "test_ti_rd", params={"NumTrv": 3, "AnyHit": 0}, only="every_ray_leaves")
+
+
+@pytest.mark.parametrize("ray_cycles", [1, 2, 3])
+def test_ti_rd_of_the_watertight_machine(ray_cycles):
+    """Thick rays with the constants of Woop's test."""
+    config = "tiny traversal=padded triangle_test=woop"
+    run("ti_rd", "test_ti_rd", config=config, params={"NumTrv": 3, "RayCycles": ray_cycles})
 
 
 @pytest.mark.parametrize("ray_cycles", [1, 2, 3])

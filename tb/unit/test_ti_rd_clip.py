@@ -10,7 +10,7 @@ from agents.fixed_latency import replay
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
 from models.payload import parameter, payloads
-from models.rays import clip, random_ray, ray, setup_cases, unit_box
+from models.rays import clip, origins, random_ray, ray, setup_cases, unit_box
 
 FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
 OK, INVALID = 0, 1
@@ -25,6 +25,7 @@ def beats(dut, case):
             "box_hi_i": p.pack_vec(hi),
             "step_i": step,
             "ray_i": p.pack("ray_t", given),
+            "origins_i": p.pack("origins_t", origins(lo, hi, given["o"], given["d"])),
         }
 
 
@@ -190,6 +191,13 @@ async def forgets_what_is_inside_on_reset(dut):
 def test_ti_rd_clip_without_any_hit_rays():
     params = {"RayCycles": 2, "AnyHit": 0}
     run("ti_rd_clip", "test_ti_rd_clip", only="invalid|any_hit", params=params)
+
+
+@pytest.mark.parametrize("ray_cycles", [1, 3])
+def test_ti_rd_clip_of_thick_rays(ray_cycles):
+    only = "sets_up|takes_as_long"
+    params = {"RayCycles": ray_cycles}
+    run("ti_rd_clip", "test_ti_rd_clip", config="tiny traversal=padded", params=params, only=only)
 
 
 @pytest.mark.parametrize("ray_cycles", [1, 2, 3])

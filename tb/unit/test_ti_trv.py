@@ -344,6 +344,12 @@ BUILDS = {
         {"NumSlots": 8, "StackDepth": 24, "Restart": 0},
         "every_ray|memory_error|the_watchdog|a_step",
     ),
+    "padded": ("trv_slots=8 traversal=padded", {"NumSlots": 8, "Padded": 1}, None),
+    "padded, no stack": (
+        "trv_slots=4 traversal=padded exp_bits=5 frac_bits=10",
+        {"NumSlots": 4, "StackDepth": 0, "Padded": 1},
+        "every_ray",
+    ),
     "just deep enough": (
         "trv_slots=8 restart=false",
         {"NumSlots": 8, "StackDepth": 6, "Restart": 0},

@@ -17,12 +17,19 @@ module ti_rd #(
   parameter int unsigned RayCycles = ti_config_pkg::RdCycles,
   /// Whether an any-hit ray can be traced; when not, it is answered as invalid.
   parameter bit AnyHit = ti_config_pkg::AnyHit,
+  /// Whether rays are made thick for a padded traversal.
+  parameter bit Padded = ti_config_pkg::Traversal == ti_config_pkg::TraversalPadded,
+  /// Whether rays carry the constants of Woop's triangle test.
+  parameter bit Woop = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestWoop,
   localparam int unsigned AcceptLatency = 1,
+  localparam int unsigned ThickLatency = Padded ? 2 * ti_fp_pkg::AddLatency + RayCycles + 1 : 0,
   localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
   ) + ti_fp_pkg::MulLatency + (3 - RayCycles) + 2,
+  localparam int unsigned ShearLatency = Woop ? ti_fp_pkg::MulLatency + 1 : 0,
   localparam int unsigned QueueLatency = 1,
-  localparam int unsigned Latency = AcceptLatency + RayCycles - 1 + ClipLatency + QueueLatency,
+  localparam int unsigned Latency = AcceptLatency + RayCycles - 1 + ThickLatency + ClipLatency +
+      ShearLatency + QueueLatency,
   // A credit is away for `Latency` + 1 cycles; some more are for rays that wait for a home.
   localparam int unsigned Depth = (Latency + RayCycles) / ((RayCycles > 0) ? RayCycles : 1) + 7
 ) (
@@ -90,28 +97,117 @@ module ti_rd #(
   always_ff @(posedge clk_i) if (take) hold_q <= ray_data_i;
 
   // Clip, while the rays themselves wait.
-  logic clip_valid, clipped_valid, ray_waits;
+  logic clip_valid, clipped_valid, ray_waits, all_valid;
   waiting_t waiting_in, waiting;
   clipped_t clip, clipped;
 
+  logic thick_valid;
+  logic [1:0] thick_step;
+  ti_pkg::ray_t thick_ray;
+  ti_traverse_pkg::origins_t thick_origins, origins;
+  if (Padded) begin : gen_thick
+    logic unused_waits;
+    ti_rd_thick #(
+      .RayCycles(RayCycles)
+    ) u_thick (
+      .clk_i,
+      .rst_ni,
+      .box_lo_i,
+      .box_hi_i,
+      .valid_i  (hold_valid_q),
+      .step_i   (step),
+      .ray_i    (hold_q),
+      .valid_o  (thick_valid),
+      .step_o   (thick_step),
+      .ray_o    (thick_ray),
+      .origins_o(thick_origins)
+    );
+    ti_queue #(
+      .payload_t(ti_traverse_pkg::origins_t),
+      .Depth    (Depth)
+    ) u_origins (
+      .clk_i,
+      .rst_ni,
+      .push_i     (thick_valid && thick_step == LastStep),
+      .push_data_i(thick_origins),
+      .out_valid_o(unused_waits),
+      .out_ready_i(egress),
+      .out_data_o (origins)
+    );
+  end else begin : gen_thin
+    assign thick_valid   = hold_valid_q;
+    assign thick_step    = step;
+    assign thick_ray     = hold_q;
+    assign thick_origins = '{least: hold_q.o, most: hold_q.o};
+    assign origins       = '{least: ray.o, most: ray.o};
+  end
+
   ti_rd_clip #(
     .RayCycles(RayCycles),
-    .AnyHit   (AnyHit)
+    .AnyHit   (AnyHit),
+    .Padded   (Padded)
   ) u_clip (
     .clk_i,
     .rst_ni,
     .box_lo_i,
     .box_hi_i,
-    .valid_i (hold_valid_q),
-    .step_i  (step),
-    .ray_i   (hold_q),
-    .valid_o (clip_valid),
-    .miss_o  (clip.miss),
-    .status_o(clip.status),
-    .inv_o   (clip.inv),
-    .tmin_o  (clip.tmin),
-    .tmax_o  (clip.tmax)
+    .valid_i  (thick_valid),
+    .step_i   (thick_step),
+    .ray_i    (thick_ray),
+    .origins_i(thick_origins),
+    .valid_o  (clip_valid),
+    .miss_o   (clip.miss),
+    .status_o (clip.status),
+    .inv_o    (clip.inv),
+    .tmin_o   (clip.tmin),
+    .tmax_o   (clip.tmax)
   );
+
+  // Constants of the triangle test; they come last.
+  ti_pkg::ray_operands_t operands;
+  if (Woop) begin : gen_shear
+    logic shear_valid, shear_waits;
+    logic [1:0] z, z_waiting;
+    ti_pkg::vec3_t clip_d, shear, shear_waiting;
+    ti_delay #(
+      .payload_t(ti_pkg::vec3_t),
+      .Cycles   (ClipLatency)
+    ) u_d (
+      .clk_i,
+      .rst_ni,
+      .data_i(thick_ray.d),
+      .data_o(clip_d)
+    );
+    ti_rd_shear u_shear (
+      .clk_i,
+      .rst_ni,
+      .valid_i(clip_valid),
+      .d_i    (clip_d),
+      .inv_i  (clip.inv),
+      .valid_o(shear_valid),
+      .z_o    (z),
+      .shear_o(shear)
+    );
+    ti_queue #(
+      .payload_t(logic [1+$bits(ti_pkg::vec3_t):0]),
+      .Depth    (Depth)
+    ) u_shears (
+      .clk_i,
+      .rst_ni,
+      .push_i     (shear_valid),
+      .push_data_i({z, shear}),
+      .out_valid_o(shear_waits),
+      .out_ready_i(egress),
+      .out_data_o ({z_waiting, shear_waiting})
+    );
+    assign all_valid = clipped_valid && shear_waits;
+    logic unused_d;
+    assign unused_d = ^ray.d;
+    assign operands = '{o: ray.o, d: shear_waiting, z: z_waiting};
+  end else begin : gen_no_shear
+    assign all_valid = clipped_valid;
+    assign operands  = '{o: ray.o, d: ray.d, z: '0};
+  end
 
   ti_queue #(
     .payload_t(waiting_t),
@@ -129,7 +225,7 @@ module ti_rd #(
     ray_data_i.any_hit,
     ray_data_i.ray_id,
     ray_data_i.o,
-    ray_data_i.d,
+    Woop ? ti_pkg::vec3_t'('0) : ray_data_i.d,  // `operands` has what is needed of it
     ray_data_i.tmin,
     ray_data_i.tmax
   });
@@ -155,15 +251,16 @@ module ti_rd #(
   logic next_any, home_ready, enters, deal, dealt_tile;
 
   assign home_ready = dispatch_ready_i[home_q];
-  assign enters = clipped_valid && !clipped.miss;
+  assign enters = all_valid && !clipped.miss;
   assign deal = enters && home_ready;
   assign dealt_tile = deal && dealt_q == TileWidth'(DealTile - 1);
   assign dispatch_data_o = '{
           ray_id: ray.ray_id,
           any_hit: ray.any_hit,
-          operands: '{o: ray.o, d: ray.d},
+          operands: operands,
           ray_tmin: ray.tmin,
           ray_tmax: ray.tmax,
+          origins: origins,
           inv: clipped.inv,
           tmin: clipped.tmin,
           tmax: clipped.tmax
@@ -195,7 +292,7 @@ module ti_rd #(
   end
 
   // Misses.
-  assign hit_valid_o = clipped_valid && clipped.miss;
+  assign hit_valid_o = all_valid && clipped.miss;
   always_comb begin
     hit_data_o        = '0;
     hit_data_o.ray_id = ray.ray_id;
@@ -210,7 +307,7 @@ module ti_rd #(
   always_comb begin
     events_o.activity = '0;
     if (hold_valid_q) events_o.activity.works = 1'b1;
-    else if (clipped_valid && !egress) events_o.activity.room = 1'b1;
+    else if (all_valid && !egress) events_o.activity.room = 1'b1;
     else if (credits_q != CountWidth'(Depth)) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
   end

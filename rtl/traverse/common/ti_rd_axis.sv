@@ -2,9 +2,9 @@
 
 /// One axis of the set-up of a ray: the inverse direction and the way to the two planes of the scene box.
 ///
-/// inv = 1/d, t = (plane - o) * inv for the near and the far plane (slabs, Kay and Kajiya 1986): near is lo, hi for
-/// a negative inverse.  An axis whose inverse is infinite is parallel: its near and far mean nothing, and o lies
-/// outside when lo - o > 0 or hi - o < 0.  All values are rounded to nearest even after each operation.
+/// inv = 1/d, t = (plane - o) * inv for the near and the far plane (slabs, Kay and Kajiya 1986), each with its own
+/// origin: near is lo, hi for a negative direction.  An axis whose inverse is infinite is parallel: its near and far
+/// mean nothing, and o lies outside when lo - o > 0 or hi - o < 0.  All values are rounded to nearest even after each operation.
 /// `Latency` cycles, one axis a cycle, no stall.  1 RCP, 2 ADD, 2 MUL.
 module ti_rd_axis #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
@@ -14,9 +14,10 @@ module ti_rd_axis #(
   input logic rst_ni,
 
   input logic            valid_i,
-  input ti_num_pkg::fp_t lo_i,     // planes of the box
+  input ti_num_pkg::fp_t lo_i,      // planes of the box
   input ti_num_pkg::fp_t hi_i,
-  input ti_num_pkg::fp_t o_i,
+  input ti_num_pkg::fp_t near_o_i,  // origins
+  input ti_num_pkg::fp_t far_o_i,
   input ti_num_pkg::fp_t d_i,
 
   output logic            valid_o,
@@ -37,8 +38,9 @@ module ti_rd_axis #(
   end
 
   // Inverse, and beside it the way to the two planes.
-  logic rcp_valid;
-  fp_t inv, to_lo, to_hi, to_lo_mul, to_hi_mul;
+  logic rcp_valid, negative;
+  fp_t inv, to_near, to_far, to_near_mul, to_far_mul;
+  assign negative = d_i[W-1];
 
   ti_fp_rcp #(
     .ExpBits (E),
@@ -54,28 +56,28 @@ module ti_rd_axis #(
   ti_fp_add #(
     .ExpBits (E),
     .FracBits(M)
-  ) u_lo (
+  ) u_to_near (
     .clk_i,
     .rst_ni,
     .valid_i,
-    .a_i(lo_i),
-    .b_i(o_i),
+    .a_i(negative ? hi_i : lo_i),
+    .b_i(near_o_i),
     .negate_b_i(1'b1),
     .valid_o(),
-    .result_o(to_lo)
+    .result_o(to_near)
   );
   ti_fp_add #(
     .ExpBits (E),
     .FracBits(M)
-  ) u_hi (
+  ) u_to_far (
     .clk_i,
     .rst_ni,
     .valid_i,
-    .a_i(hi_i),
-    .b_i(o_i),
+    .a_i(negative ? lo_i : hi_i),
+    .b_i(far_o_i),
     .negate_b_i(1'b1),
     .valid_o(),
-    .result_o(to_hi)
+    .result_o(to_far)
   );
   ti_delay #(
     .payload_t(logic [2*W-1:0]),
@@ -83,16 +85,15 @@ module ti_rd_axis #(
   ) u_to_mul (
     .clk_i,
     .rst_ni,
-    .data_i({to_lo, to_hi}),
-    .data_o({to_lo_mul, to_hi_mul})
+    .data_i({to_near, to_far}),
+    .data_o({to_near_mul, to_far_mul})
   );
 
-  logic negative, parallel, outside;
-  assign negative = inv[W-1];
+  logic parallel, outside;
   assign parallel = inv[W-2:0] == ti_num_pkg::Inf[W-2:0];
-  // lo - o > 0 or hi - o < 0.
-  assign outside = (!to_lo_mul[W-1] && to_lo_mul[W-2:0] != '0) ||
-      (to_hi_mul[W-1] && to_hi_mul[W-2:0] != '0);
+  // The near plane lies ahead, or the far one behind, as the sign of the direction has it.
+  assign outside = (to_near_mul[W-1] == inv[W-1] && to_near_mul[W-2:0] != '0) ||
+      (to_far_mul[W-1] != inv[W-1] && to_far_mul[W-2:0] != '0);
 
   ti_fp_mul #(
     .ExpBits (E),
@@ -101,7 +102,7 @@ module ti_rd_axis #(
     .clk_i,
     .rst_ni,
     .valid_i(rcp_valid),
-    .a_i(negative ? to_hi_mul : to_lo_mul),
+    .a_i(to_near_mul),
     .b_i(inv),
     .valid_o(valid_o),
     .result_o(near_o)
@@ -113,7 +114,7 @@ module ti_rd_axis #(
     .clk_i,
     .rst_ni,
     .valid_i(rcp_valid),
-    .a_i(negative ? to_lo_mul : to_hi_mul),
+    .a_i(to_far_mul),
     .b_i(inv),
     .valid_o(),
     .result_o(far_o)

@@ -3,7 +3,7 @@
 `include "ti_assert.svh"
 `include "ti_reset.svh"
 
-/// Set-up of a ray: the inverse direction and the interval inside the scene box.
+/// Set-up of a ray: the inverse direction and the interval inside the scene box, of a thick ray from its two origins.
 ///
 /// A ray in `RayCycles` steps.  Lane 0 takes one of the first `RayCycles` axes in each step; each further axis has
 /// a lane of its own and enters it one cycle after the axis before.  So the interval is gathered axis by axis, one
@@ -20,6 +20,8 @@ module ti_rd_clip #(
   parameter int unsigned RayCycles = ti_config_pkg::RdCycles,
   /// Whether an any-hit ray can be traced.
   parameter bit AnyHit = ti_config_pkg::AnyHit,
+  /// Whether the two origins differ.
+  parameter bit Padded = ti_config_pkg::Traversal == ti_config_pkg::TraversalPadded,
   localparam int unsigned Lanes = 4 - RayCycles,
   localparam int unsigned AxisLatency = ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
@@ -34,9 +36,11 @@ module ti_rd_clip #(
   input ti_pkg::vec3_t box_lo_i,  // constant while rays are inside
   input ti_pkg::vec3_t box_hi_i,
 
-  input logic               valid_i,
-  input logic         [1:0] step_i,   // 0 to RayCycles - 1 in consecutive valid cycles
-  input ti_pkg::ray_t       ray_i,    // the same for all steps
+  input logic valid_i,
+  input logic [1:0] step_i,  // 0 to RayCycles - 1 in consecutive valid cycles
+  input ti_pkg::ray_t ray_i,  // the same for all steps
+  // Valid for the axes of this step; without `Padded` that of the least t alone counts.
+  input ti_traverse_pkg::origins_t origins_i,
 
   output logic            valid_o,
   output logic            miss_o,
@@ -120,7 +124,7 @@ module ti_rd_clip #(
   logic start[Lanes], axis_valid[Lanes];
 
   for (genvar k = 0; k < Lanes; k++) begin : gen_lane
-    fp_t lo, hi, o, d, inv, near_t, far_t;
+    fp_t lo, hi, near_o, far_o, d, inv, near_t, far_t;
     logic parallel, outside, raise, lower;
     logic [1:0] axis;
     bounds_t from, bounds;
@@ -130,7 +134,9 @@ module ti_rd_clip #(
       assign start[k] = valid_i;
       assign lo = box_lo_i[step_i];
       assign hi = box_hi_i[step_i];
-      assign {o, d} = {ray_i.o[step_i], ray_i.d[step_i]};
+      assign d = ray_i.d[step_i];
+      assign near_o = origins_i.least[step_i];
+      assign far_o = Padded ? origins_i.most[step_i] : near_o;
 
       assign first = along.step == 2'd0;
       assign axis = along.step;
@@ -160,9 +166,22 @@ module ti_rd_clip #(
       ) u_skew (
         .clk_i,
         .rst_ni,
-        .data_i({ray_i.o[Axis], ray_i.d[Axis]}),
-        .data_o({o, d})
+        .data_i({origins_i.least[Axis], ray_i.d[Axis]}),
+        .data_o({near_o, d})
       );
+      if (Padded) begin : gen_far
+        ti_delay #(
+          .payload_t(fp_t),
+          .Cycles   (k)
+        ) u_skew_far (
+          .clk_i,
+          .rst_ni,
+          .data_i(origins_i.most[Axis]),
+          .data_o(far_o)
+        );
+      end else begin : gen_same
+        assign far_o = near_o;
+      end
       assign lo   = box_lo_i[Axis];
       assign hi   = box_hi_i[Axis];
       assign axis = 2'(Axis);
@@ -175,7 +194,8 @@ module ti_rd_clip #(
       .valid_i   (start[k]),
       .lo_i      (lo),
       .hi_i      (hi),
-      .o_i       (o),
+      .near_o_i  (near_o),
+      .far_o_i   (far_o),
       .d_i       (d),
       .valid_o   (axis_valid[k]),
       .inv_o     (inv),

@@ -16,6 +16,8 @@ module ti_kd_state #(
   parameter int unsigned StackDepth = 4,
   /// Whether a stack may overflow.
   parameter bit Restart = 1'b1,
+  /// Whether rays are thick: entries with a tmin of their own, the restart trail, the t of what was dropped.
+  parameter bit Padded = 1'b0,
   /// Cycles from step to end, 3 or more.
   parameter int unsigned Lead = 7,
   localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1
@@ -48,18 +50,28 @@ module ti_kd_state #(
   output ti_pkg::node_index_t                  index_o,
   output ti_pkg::fp_t                          tmin_o,
   output ti_pkg::fp_t                          tmax_o,
+  output ti_pkg::fp_t                          ray_tmin_o,
   output ti_pkg::fp_t                          ray_tmax_o,
   output ti_pkg::steps_t                       steps_o,
   output logic                [LevelWidth-1:0] level_o,
   output logic                                 dropped_o,
   output ti_pkg::node_index_t                  top_node_o,
   output ti_pkg::fp_t                          top_tmax_o,
+  output ti_kd_pkg::trail_t                    trail_o,         // of thick rays, as the next four
+  output ti_pkg::fp_t                          dropped_from_o,
+  output ti_pkg::fp_t                          top_tmin_o,
+  // Of the entry that a push onto a full ring drops.
+  output ti_pkg::fp_t                          oldest_tmin_o,
   input  ti_pkg::fp_t                          tmin_i,
   input  ti_pkg::fp_t                          tmax_i,
   input  ti_pkg::steps_t                       steps_i,
   input  logic                [LevelWidth-1:0] level_i,
   input  logic                                 dropped_i,
-  input  logic                                 push_i,       // (far_i, tmax_o) onto the stack
+  input  ti_kd_pkg::trail_t                    trail_i,         // of thick rays, as the next two
+  input  ti_pkg::fp_t                          dropped_from_i,
+  input  ti_pkg::fp_t                          far_tmin_i,
+  // (far_i, far_tmin_i, tmax_o) onto the stack.
+  input  logic                                 push_i,
   input  ti_pkg::node_index_t                  far_i,
   input  logic                                 pop_i
 );
@@ -206,6 +218,80 @@ module ti_kd_state #(
     end
   end
 
+  // What the walk of a thick ray has beside that.
+  if (Padded) begin : gen_padded
+    typedef struct packed {
+      ti_kd_pkg::trail_t trail;
+      ti_pkg::fp_t       dropped_from;
+    } walk_t;
+    walk_t walk, walk_q;
+
+    ti_ram_1r1w #(
+      .Depth (NumSlots),
+      .word_t(walk_t)
+    ) u_walk (
+      .clk_i,
+      .read_en_i   (early_valid),
+      .read_addr_i (early_slot),
+      .read_data_o (walk),
+      .write_en_i  (end_valid_i),
+      .write_addr_i(end_slot_i),
+      .write_data_i('{trail: trail_i, dropped_from: dropped_from_i})
+    );
+    always_ff @(posedge clk_i) if (late_valid_o) walk_q <= walk;
+    assign trail_o        = fresh_q[end_slot_i] ? '0 : walk_q.trail;
+    assign dropped_from_o = fresh_q[end_slot_i] ? ti_num_pkg::Inf : walk_q.dropped_from;
+
+    if (StackDepth > 0) begin : gen_tmin
+      localparam int unsigned StackWords = NumSlots * StackDepth;
+      localparam int unsigned StackAddrWidth = $clog2(StackWords);
+      logic [StackAddrWidth-1:0] first, push_first;
+      assign first      = StackAddrWidth'(late_slot_o) * StackAddrWidth'(StackDepth);
+      assign push_first = StackAddrWidth'(end_slot_i) * StackAddrWidth'(StackDepth);
+
+      ti_ram_1r1w #(
+        .Depth (StackWords),
+        .word_t(ti_pkg::fp_t)
+      ) u_top_tmin (
+        .clk_i,
+        .read_en_i   (late_valid_o),
+        .read_addr_i (first + StackAddrWidth'(late_top)),
+        .read_data_o (top_tmin_o),
+        .write_en_i  (end_valid_i && push_i),
+        .write_addr_i(push_first + StackAddrWidth'(pointer)),
+        .write_data_i(far_tmin_i)
+      );
+      if (Restart) begin : gen_oldest
+        ti_ram_1r1w #(
+          .Depth (StackWords),
+          .word_t(ti_pkg::fp_t)
+        ) u_oldest_tmin (
+          .clk_i,
+          .read_en_i   (late_valid_o),
+          .read_addr_i (first + StackAddrWidth'(late_pointer)),
+          .read_data_o (oldest_tmin_o),
+          .write_en_i  (end_valid_i && push_i),
+          .write_addr_i(push_first + StackAddrWidth'(pointer)),
+          .write_data_i(far_tmin_i)
+        );
+      end else begin : gen_no_oldest
+        assign oldest_tmin_o = '0;
+      end
+    end else begin : gen_no_tmin
+      logic unused_tmin;
+      assign unused_tmin   = ^far_tmin_i;
+      assign top_tmin_o    = '0;
+      assign oldest_tmin_o = '0;
+    end
+  end else begin : gen_plain
+    logic unused_walk;
+    assign unused_walk    = ^{trail_i, dropped_from_i, far_tmin_i};
+    assign trail_o        = '0;
+    assign dropped_from_o = '0;
+    assign top_tmin_o     = '0;
+    assign oldest_tmin_o  = '0;
+  end
+
   if (Restart) begin : gen_ring
     assign late_pointer = word[StateWidth-1-:PointerWidth];
     assign pointer      = state.ring.pointer;
@@ -221,6 +307,7 @@ module ti_kd_state #(
 
   assign tmin_o = state.interval.tmin;
   assign tmax_o = state.interval.tmax;
+  assign ray_tmin_o = interval.tmin;
   assign ray_tmax_o = interval.tmax;
   assign steps_o = state.steps;
   assign level_o = state.level;

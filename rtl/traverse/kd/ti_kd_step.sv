@@ -3,30 +3,34 @@
 `include "ti_assert.svh"
 `include "ti_reset.svh"
 
-/// The arithmetic of a traversal step: t = (split - o[axis]) * inv[axis], on 1 ADD and 1 MUL.
+/// The arithmetic of a traversal step: t = (split - o[axis]) * inv[axis], on 1 ADD and 1 MUL; of a thick ray (`Padded`)
+/// the least and the greatest t, from the near and the far origin, on 2 of each.
 ///
 /// One node a cycle, `Latency` cycles, no stall.  The node and the sign of the inverse come out beside t.
 /// t is NaN exactly for a ray that is parallel to the plane and in it (0 * inf).  A leaf passes
 /// through; its t means nothing.
 module ti_kd_step #(
   /// Width of what travels along untouched.
-  parameter  int unsigned TagWidth = 1,
-  localparam int unsigned Latency  = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
+  parameter int unsigned TagWidth = 1,
+  /// Whether rays are thick; when not, the near origin alone counts.
+  parameter bit Padded = 1'b0,
+  localparam int unsigned Latency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
 
-  input logic                            valid_i,
-  input logic             [TagWidth-1:0] tag_i,
-  input ti_kd_pkg::node_t                node_i,
-  input ti_pkg::vec3_t                   o_i,
-  input ti_pkg::vec3_t                   inv_i,
+  input logic                                     valid_i,
+  input logic                      [TagWidth-1:0] tag_i,
+  input ti_kd_pkg::node_t                         node_i,
+  input ti_traverse_pkg::origins_t                origins_i,
+  input ti_pkg::vec3_t                            inv_i,
 
   output logic                            valid_o,
   output logic             [TagWidth-1:0] tag_o,
   output ti_kd_pkg::node_t                node_o,
   output logic                            negative_o,  // sign of the direction on the node's axis
-  output ti_pkg::fp_t                     t_o
+  output ti_pkg::fp_t                     t_o,         // the least
+  output ti_pkg::fp_t                     t_most_o     // the greatest
 );
 
   localparam int unsigned E = ti_num_pkg::ExpBits;
@@ -48,7 +52,7 @@ module ti_kd_step #(
     .rst_ni,
     .valid_i(inner),
     .a_i(node_i.value[E+M:0]),
-    .b_i(o_i[axis]),
+    .b_i(origins_i.least[axis]),
     .negate_b_i(1'b1),
     .valid_o(to_plane_valid),
     .result_o(to_plane)
@@ -74,6 +78,40 @@ module ti_kd_step #(
     .valid_o(),
     .result_o(t_o)
   );
+
+  if (Padded) begin : gen_most
+    logic far_valid;
+    ti_pkg::fp_t far_to_plane;
+    ti_fp_add #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_far_to_plane (
+      .clk_i,
+      .rst_ni,
+      .valid_i(inner),
+      .a_i(node_i.value[E+M:0]),
+      .b_i(origins_i.most[axis]),
+      .negate_b_i(1'b1),
+      .valid_o(far_valid),
+      .result_o(far_to_plane)
+    );
+    ti_fp_mul #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_t_most (
+      .clk_i,
+      .rst_ni,
+      .valid_i(far_valid),
+      .a_i(far_to_plane),
+      .b_i(inv_mul),
+      .valid_o(),
+      .result_o(t_most_o)
+    );
+  end else begin : gen_one
+    logic unused_far;
+    assign unused_far = ^origins_i.most;
+    assign t_most_o   = t_o;
+  end
 
   logic [Latency-1:0] valid_q;
   always_ff @(`TI_CLK_RST) begin

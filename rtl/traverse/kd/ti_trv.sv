@@ -16,6 +16,7 @@ module ti_trv #(
   parameter int unsigned WatchdogSteps = 65535,
   parameter bit AnyHit = 1'b1,
   parameter bit Restart = 1'b1,
+  parameter bit Padded = 1'b0,
   parameter int unsigned Rows = 2,
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
@@ -66,10 +67,9 @@ module ti_trv #(
   typedef ti_pkg::fp_t fp_t;
   typedef ti_pkg::node_index_t node_index_t;
 
-  typedef struct packed {
-    ti_pkg::vec3_t o;
-    ti_pkg::vec3_t inv;
-  } geometry_t;
+  // Of a ray: the near origin, the inverse, and where it is thick the far origin above them.
+  localparam int unsigned GeometryWidth = (Padded ? 3 : 2) * $bits(ti_pkg::vec3_t);
+  typedef logic [GeometryWidth-1:0] geometry_t;
 
   // ---- Slots: a ray comes in.
   logic start, free;
@@ -155,20 +155,27 @@ module ti_trv #(
   slot_t step_slot_q;
   ti_kd_pkg::node_t step_node_q, end_node;
   geometry_t geometry;
-  fp_t end_t;
+  ti_traverse_pkg::origins_t origins;
+  ti_pkg::vec3_t inv;
+  fp_t end_t, end_t_most;
 
   ti_ram_1r1w #(
     .Depth (NumSlots),
     .word_t(geometry_t)
   ) u_geometry (
     .clk_i,
-    .read_en_i   (rsp_valid),
-    .read_addr_i (rsp_slot),
-    .read_data_o (geometry),
-    .write_en_i  (start),
+    .read_en_i(rsp_valid),
+    .read_addr_i(rsp_slot),
+    .read_data_o(geometry),
+    .write_en_i(start),
     .write_addr_i(new_slot),
-    .write_data_i('{o: dispatch_data_i.operands.o, inv: dispatch_data_i.inv})
+    .write_data_i(geometry_t'({
+      dispatch_data_i.origins.most, dispatch_data_i.origins.least, dispatch_data_i.inv
+    }))
   );
+  assign inv           = geometry[$bits(inv)-1:0];
+  assign origins.least = geometry[$bits(inv)+:$bits(inv)];
+  assign origins.most  = geometry[GeometryWidth-1-:$bits(inv)];
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) step_q <= 1'b0;
@@ -183,27 +190,31 @@ module ti_trv #(
   end
 
   ti_kd_step #(
-    .TagWidth($bits(slot_t) + 1)
+    .TagWidth($bits(slot_t) + 1),
+    .Padded  (Padded)
   ) u_step (
     .clk_i,
     .rst_ni,
     .valid_i   (step_q),
     .tag_i     ({step_slot_q, step_error_q}),
     .node_i    (step_node_q),
-    .o_i       (geometry.o),
-    .inv_i     (geometry.inv),
+    .origins_i (origins),
+    .inv_i     (inv),
     .valid_o   (end_valid),
     .tag_o     ({end_slot, end_error}),
     .node_o    (end_node),
     .negative_o(end_negative),
-    .t_o       (end_t)
+    .t_o       (end_t),
+    .t_most_o  (end_t_most)
   );
 
   // ---- The decision, with the slot's state.
-  logic late_valid, go, leaf, done, push, pop, restart, dropped, dropped_next;
+  logic late_valid, both, go, leaf, done, push, pop, restart, dropped, dropped_next;
   slot_t late_slot;
   node_index_t end_index, far_node, top_node;
-  fp_t tmin, tmax, tmin_next, tmax_next, ray_tmax, top_tmax, tbest, tnear, tfar;
+  fp_t tmin, tmax, tmin_next, tmax_next, ray_tmin, ray_tmax, top_tmax, tbest, tnear, tfar, bound;
+  fp_t dropped_from, dropped_from_next, far_tmin, top_tmin, oldest_tmin;
+  ti_kd_pkg::trail_t trail, trail_next;
   ti_pkg::steps_t steps, steps_next;
   ti_pkg::status_e status;
   logic [LevelWidth-1:0] level, level_next;
@@ -212,81 +223,151 @@ module ti_trv #(
     .NumSlots  (NumSlots),
     .StackDepth(StackDepth),
     .Restart   (Restart),
+    .Padded    (Padded),
     .Lead      (ArithmeticLatency)
   ) u_state (
     .clk_i,
     .rst_ni,
-    .start_i     (start),
-    .start_slot_i(new_slot),
-    .start_tmin_i(dispatch_data_i.tmin),
-    .start_tmax_i(dispatch_data_i.tmax),
-    .visit_i     (visit_valid && req_ready),
-    .visit_slot_i(visit_slot),
-    .visit_node_i(visit_node),
-    .step_valid_i(step_q),
-    .step_slot_i (step_slot_q),
-    .late_valid_o(late_valid),
-    .late_slot_o (late_slot),
-    .end_valid_i (end_valid),
-    .end_slot_i  (end_slot),
-    .index_o     (end_index),
-    .tmin_o      (tmin),
-    .tmax_o      (tmax),
-    .ray_tmax_o  (ray_tmax),
-    .steps_o     (steps),
-    .level_o     (level),
-    .dropped_o   (dropped),
-    .top_node_o  (top_node),
-    .top_tmax_o  (top_tmax),
-    .tmin_i      (tmin_next),
-    .tmax_i      (tmax_next),
-    .steps_i     (steps_next),
-    .level_i     (level_next),
-    .dropped_i   (dropped_next),
-    .push_i      (push),
-    .far_i       (far_node),
-    .pop_i       (pop)
+    .start_i       (start),
+    .start_slot_i  (new_slot),
+    .start_tmin_i  (dispatch_data_i.tmin),
+    .start_tmax_i  (dispatch_data_i.tmax),
+    .visit_i       (visit_valid && req_ready),
+    .visit_slot_i  (visit_slot),
+    .visit_node_i  (visit_node),
+    .step_valid_i  (step_q),
+    .step_slot_i   (step_slot_q),
+    .late_valid_o  (late_valid),
+    .late_slot_o   (late_slot),
+    .end_valid_i   (end_valid),
+    .end_slot_i    (end_slot),
+    .index_o       (end_index),
+    .tmin_o        (tmin),
+    .tmax_o        (tmax),
+    .ray_tmin_o    (ray_tmin),
+    .ray_tmax_o    (ray_tmax),
+    .steps_o       (steps),
+    .level_o       (level),
+    .dropped_o     (dropped),
+    .top_node_o    (top_node),
+    .top_tmax_o    (top_tmax),
+    .trail_o       (trail),
+    .dropped_from_o(dropped_from),
+    .top_tmin_o    (top_tmin),
+    .oldest_tmin_o (oldest_tmin),
+    .tmin_i        (tmin_next),
+    .tmax_i        (tmax_next),
+    .steps_i       (steps_next),
+    .level_i       (level_next),
+    .dropped_i     (dropped_next),
+    .trail_i       (trail_next),
+    .dropped_from_i(dropped_from_next),
+    .far_tmin_i    (far_tmin),
+    .push_i        (push),
+    .far_i         (far_node),
+    .pop_i         (pop)
   );
 
-  ti_kd_decide #(
-    .StackDepth   (StackDepth),
-    .Restart      (Restart),
-    .WatchdogSteps(WatchdogSteps),
-    .IntervalCull (ti_config_pkg::IntervalCull),
-    .Guard        (ti_config_pkg::IntervalGuard)
-  ) u_decide (
-    .root_i,
-    .index_i   (end_index),
-    .node_i    (end_node),
-    .error_i   (end_error),
-    .negative_i(end_negative),
-    .t_i       (end_t),
-    .tmin_i    (tmin),
-    .tmax_i    (tmax),
-    .ray_tmax_i(ray_tmax),
-    .tbest_i   (tbest),
-    .steps_i   (steps),
-    .level_i   (level),
-    .dropped_i (dropped),
-    .top_node_i(top_node),
-    .top_tmax_i(top_tmax),
-    .steps_o   (steps_next),
-    .go_o      (go),
-    .next_o    (next_node),
-    .leaf_o    (leaf),
-    .tnear_o   (tnear),
-    .tfar_o    (tfar),
-    .done_o    (done),
-    .status_o  (status),
-    .tmin_o    (tmin_next),
-    .tmax_o    (tmax_next),
-    .level_o   (level_next),
-    .dropped_o (dropped_next),
-    .push_o    (push),
-    .far_o     (far_node),
-    .pop_o     (pop),
-    .restart_o (restart)
-  );
+  if (Padded) begin : gen_padded
+    ti_kd_decide_padded #(
+      .StackDepth   (StackDepth),
+      .Restart      (Restart),
+      .WatchdogSteps(WatchdogSteps),
+      .IntervalCull (ti_config_pkg::IntervalCull),
+      .Guard        (ti_config_pkg::IntervalGuard)
+    ) u_decide (
+      .root_i,
+      .index_i       (end_index),
+      .node_i        (end_node),
+      .error_i       (end_error),
+      .negative_i    (end_negative),
+      .t_i           (end_t),
+      .t_most_i      (end_t_most),
+      .tmin_i        (tmin),
+      .tmax_i        (tmax),
+      .ray_tmin_i    (ray_tmin),
+      .ray_tmax_i    (ray_tmax),
+      .tbest_i       (tbest),
+      .steps_i       (steps),
+      .level_i       (level),
+      .trail_i       (trail),
+      .dropped_from_i(dropped_from),
+      .top_node_i    (top_node),
+      .top_tmin_i    (top_tmin),
+      .top_tmax_i    (top_tmax),
+      .oldest_tmin_i (oldest_tmin),
+      .steps_o       (steps_next),
+      .both_o        (both),
+      .go_o          (go),
+      .next_o        (next_node),
+      .leaf_o        (leaf),
+      .tnear_o       (tnear),
+      .tfar_o        (tfar),
+      .bound_o       (bound),
+      .done_o        (done),
+      .status_o      (status),
+      .tmin_o        (tmin_next),
+      .tmax_o        (tmax_next),
+      .level_o       (level_next),
+      .trail_o       (trail_next),
+      .dropped_from_o(dropped_from_next),
+      .push_o        (push),
+      .far_o         (far_node),
+      .far_tmin_o    (far_tmin),
+      .pop_o         (pop),
+      .restart_o     (restart)
+    );
+    assign dropped_next = push && Restart && level == LevelWidth'(StackDepth);
+    logic unused_dropped;
+    assign unused_dropped = dropped;
+  end else begin : gen_plain
+    ti_kd_decide #(
+      .StackDepth   (StackDepth),
+      .Restart      (Restart),
+      .WatchdogSteps(WatchdogSteps),
+      .IntervalCull (ti_config_pkg::IntervalCull),
+      .Guard        (ti_config_pkg::IntervalGuard)
+    ) u_decide (
+      .root_i,
+      .index_i   (end_index),
+      .node_i    (end_node),
+      .error_i   (end_error),
+      .negative_i(end_negative),
+      .t_i       (end_t),
+      .tmin_i    (tmin),
+      .tmax_i    (tmax),
+      .ray_tmax_i(ray_tmax),
+      .tbest_i   (tbest),
+      .steps_i   (steps),
+      .level_i   (level),
+      .dropped_i (dropped),
+      .top_node_i(top_node),
+      .top_tmax_i(top_tmax),
+      .steps_o   (steps_next),
+      .go_o      (go),
+      .next_o    (next_node),
+      .leaf_o    (leaf),
+      .tnear_o   (tnear),
+      .tfar_o    (tfar),
+      .done_o    (done),
+      .status_o  (status),
+      .tmin_o    (tmin_next),
+      .tmax_o    (tmax_next),
+      .level_o   (level_next),
+      .dropped_o (dropped_next),
+      .push_o    (push),
+      .far_o     (far_node),
+      .pop_o     (pop),
+      .restart_o (restart)
+    );
+    assign both              = push;
+    assign bound             = tmax;
+    assign trail_next        = trail;
+    assign dropped_from_next = dropped_from;
+    assign far_tmin          = tmin;
+    logic unused_padded;
+    assign unused_padded = ^{end_t_most, ray_tmin, top_tmin, oldest_tmin};
+  end
 
   assign step_push = end_valid && go && !leaf;
 
@@ -334,7 +415,7 @@ module ti_trv #(
     .park_go_i       (go),
     .park_restart_i  (restart),
     .park_next_i     (next_node),
-    .park_bound_i    (tmax),
+    .park_bound_i    (bound),
     .return_valid_i,
     .return_ready_o,
     .return_data_i,
@@ -389,6 +470,7 @@ module ti_trv #(
   `TI_ASSERT(
       IntervalNotEmpty,
       end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
+  `TI_ASSERT(PushOnlyWhereBothChildrenLieOnTheWay, end_valid && push |-> both)
   `TI_ASSERT_KNOWN(DispatchReadyKnown, dispatch_ready_o)
   `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
   `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)

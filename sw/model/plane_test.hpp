@@ -13,15 +13,15 @@
 
 namespace ti::model {
 
-/// The triangle records of an image and their test, Shevtsov's in the local form: `pass_a` to
+/// The triangle records of an image and their test, Shevtsov's, `Local` or `Np`: `pass_a` to
 /// `pass_c`.
-template <class F>
-class LocalTest {
+template <class F, TestKind kTest>
+class PlaneTest {
  public:
-  static constexpr TestKind kKind = TestKind::Local;
+  static constexpr TestKind kKind = kTest;
 
   /// Without `early_exit` each test takes all passes, also when an earlier one has failed it.
-  LocalTest(const Image& image, bool early_exit)
+  PlaneTest(const Image& image, bool early_exit)
       : planes_(image.planes()), barys_(image.barys()), early_exit_(early_exit) {}
 
   /// Number of the triangle in the mesh.
@@ -29,10 +29,11 @@ class LocalTest {
 
   /// Nothing when the triangle is missed, or surely outside `range`.
   [[nodiscard]] std::optional<Candidate<F>> test(std::uint32_t record, const FpRay<F>& ray,
-                                                 const TestRange<F>& range, Work& work) const {
+                                                 const Clipped<F>&, const TestRange<F>& range,
+                                                 Work& work) const {
     const ImagePlane& plane = planes_[record];
     ++work.a_tests;
-    const auto a = pass_a(plane, ray.o, ray.d, range);
+    const auto a = pass_a<kTest>(plane, ray.o, ray.d, range);
     if (a || !early_exit_) ++work.b_tests;
     const auto b = a ? pass_b(plane, barys_[record], ray.d, *a) : std::nullopt;
     if (b || !early_exit_) ++work.c_tests;

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "scene/mesh.hpp"
+#include "scene/ray.hpp"
+
+namespace ti {
+
+/// What a ray is aimed at, and from where.
+enum class Aim : std::uint8_t {
+  Edges,     ///< a point of an edge, from within 1.2 radii of the mesh
+  Vertices,  ///< a vertex, from there
+  Grazing,   ///< a point of a triangle, along it: the slope is 2^-2 to 2^-16 of the direction
+  Far,       ///< an edge or a vertex, from 1 to 1,000 radii away, alike on a logarithmic scale
+};
+
+/// Ray `index` of those of `seed` aimed at a triangle of `mesh` chosen at random; o and d = p - o
+/// are rounded to binary32, d is not of unit length. The mesh has a triangle. Any ray can be made
+/// without those before it, so volumes need no memory.
+class AimedRays {
+ public:
+  AimedRays(const Mesh& mesh, Aim aim, std::uint64_t seed);
+  [[nodiscard]] Ray operator()(std::uint64_t index) const;
+
+ private:
+  const Mesh& mesh_;
+  Aim aim_;
+  std::uint64_t seed_;
+  glm::dvec3 centre_;
+  double radius_;
+};
+
+}  // namespace ti
