@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 #include "base/vec.hpp"
 #include "scene/ray.hpp"
 
@@ -29,8 +32,14 @@ struct Clipped {
   F tmin, tmax;  ///< interval of the traversal, 0 <= tmin < tmax unless `miss`
 };
 
-/// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward by 4
-/// ulp.
+/// Units in the last place by which the interval of a ray grows at each end: 4, which covers three
+/// roundings to nearest, or 8 where operations round toward zero. `ti_rd_clip` has the proof.
+template <class F>
+[[nodiscard]] std::uint32_t outward_ulps() {
+  return F::modes().toward_zero ? 8 : 4;
+}
+
+/// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward.
 ///
 /// Bit-exact model of `ti_rd_clip`. Slabs after Kay and Kajiya 1986; an axis whose inverse is
 /// infinite sets no bound.
@@ -60,8 +69,8 @@ template <class F>
     if (far_t < tmax) tmax = far_t;
   }
   const bool behind = tmax < F{};
-  out.tmin = tmin.ulps_down(4);
-  out.tmax = (tmax.signbit() ? F{} : tmax).ulps_up(4);
+  out.tmin = tmin.ulps_down(outward_ulps<F>());
+  out.tmax = (tmax.signbit() ? F{} : tmax).ulps_up(outward_ulps<F>());
   const bool invalid = bad || parallel_axes == 3;
   out.status = invalid ? Status::InvalidRay : Status::Ok;
   out.miss = invalid || outside || behind || !(ray.tmin <= ray.tmax) || !(out.tmin <= out.tmax);

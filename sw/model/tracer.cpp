@@ -136,6 +136,25 @@ constexpr auto kMakers = []<std::size_t... I>(std::index_sequence<I...>) {
   return std::array{kMaker<KdLocal<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>>>...};
 }(std::make_index_sequence<std::size(kModelFormats)>{});
 
+/// Traces in a format that the model is not compiled for.
+template <template <class> class Of>
+class AnyTracer final : public Tracer {
+ public:
+  AnyTracer(const Image& image, const Options& options) : rules_(image.format()) {
+    const FormatScope scope(rules_);
+    tracer_ = std::make_unique<Of<AnyFp>>(image, options);
+  }
+  using Tracer::trace;
+  [[nodiscard]] HitBits trace(const Ray& ray, Work& work, const Log* log) const override {
+    const FormatScope scope(rules_);
+    return tracer_->trace(ray, work, log);
+  }
+
+ private:
+  FpRules rules_;
+  std::unique_ptr<Tracer> tracer_;
+};
+
 /// Throws `Error` for a tree that may ask for more entries than a stack has.
 void check_stack(const Image& image, int stack_depth) {
   const std::optional<TreeBounds> bounds = tree_bounds(image);
@@ -174,19 +193,7 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
       return maker.make(image, options);
     }
   }
-  throw Error(
-      fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it "
-                  "to `formats` in configs/schema.yaml",
-                  image.format().exp_bits, image.format().frac_bits, tracer_formats()));
-}
-
-std::string tracer_formats() {
-  std::string text;
-  for (const Maker& maker : kMakers) {
-    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", maker.format.exp_bits,
-                        maker.format.frac_bits);
-  }
-  return text;
+  return std::make_unique<AnyTracer<KdLocal>>(image, options);
 }
 
 std::vector<HitBits> Tracer::trace(std::span<const Ray> rays, Work& work) const {

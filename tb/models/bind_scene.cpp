@@ -24,7 +24,7 @@ using Corner = std::array<float, 3>;
 using Triangle = std::array<Corner, 3>;
 
 /// The image of triangles that share no vertex; triangle i is primitive i.
-std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangles) {
+std::unique_ptr<Image> build(const Format& format, const std::vector<Triangle>& triangles) {
   Mesh mesh;
   for (const Triangle& triangle : triangles) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -32,7 +32,7 @@ std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangle
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
   BuildOptions options;
-  options.format = {e, m};
+  options.format = format;
   BuildStats stats;
   return std::make_unique<Image>(build_image(mesh, options, stats));
 }
@@ -61,7 +61,7 @@ Traced trace(const Tracer& tracer, const Corner& o, const Corner& d, float tmin,
 
 void bind_image(nb::module_& module) {
   nb::class_<Image>(module, "Image", "A memory image; offsets count bytes from its start.")
-      .def_static("build", &build, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("triangles"),
+      .def_static("build", &build, nb::arg("format"), nb::arg("triangles"),
                   "Tree and image of triangles, each ((x, y, z), (x, y, z), (x, y, z)).")
       .def_prop_ro(
           "bytes",

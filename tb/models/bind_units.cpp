@@ -33,10 +33,10 @@ Vec3<F> vec(const Bits3& bits) {
 
 ImagePlane plane_of(const Plane& w) { return {w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7]}; }
 
-std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(int e, int m, const Bits3& lo, const Bits3& hi,
-                                                  const Bits3& o, const Bits3& d, Bits tmin,
-                                                  Bits tmax) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(const Format& format, const Bits3& lo,
+                                                  const Bits3& hi, const Bits3& o, const Bits3& d,
+                                                  Bits tmin, Bits tmax) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     const model::FpRay<F> ray{vec<F>(o), vec<F>(d), F::from_bits(tmin), F::from_bits(tmax)};
     const auto c = model::clip(model::Box<F>{vec<F>(lo), vec<F>(hi)}, ray);
     const Bits3 inv{c.inv[0].bits(), c.inv[1].bits(), c.inv[2].bits()};
@@ -44,14 +44,14 @@ std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(int e, int m, const Bits3& lo,
   });
 }
 
-Bits split_distance(int e, int m, Bits value, Bits link, const Bits3& o, const Bits3& inv) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+Bits split_distance(const Format& format, Bits value, Bits link, const Bits3& o, const Bits3& inv) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     return model::split_distance(ImageNode{value, link}, vec<F>(o), vec<F>(inv)).bits();
   });
 }
 
-int choose(int e, int m, Bits t, Bits tmin, Bits tmax) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+int choose(const Format& format, Bits t, Bits tmin, Bits tmax) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     return static_cast<int>(model::choose(F::from_bits(t), F::from_bits(tmin), F::from_bits(tmax)));
   });
 }
@@ -61,9 +61,9 @@ std::tuple<Bits, Bits> ordered(Bits link, Bits index, bool negative) {
   return {children.near, children.far};
 }
 
-std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, const Bits3& d,
-                            Bits tnear, Bits tfar) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
+std::optional<Bits4> pass_a(const Format& format, const Plane& plane, const Bits3& o,
+                            const Bits3& d, Bits tnear, Bits tfar) {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> std::optional<Bits4> {
     const model::TestRange<F> range{F::from_bits(tnear), F::from_bits(tfar)};
     const auto a = model::pass_a(plane_of(plane), vec<F>(o), vec<F>(d), range);
     if (!a) return std::nullopt;
@@ -71,9 +71,9 @@ std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, co
   });
 }
 
-std::optional<Bits4> pass_b(int e, int m, const Plane& plane, const Bary& bary, const Bits3& d,
-                            const Bits4& after_a) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
+std::optional<Bits4> pass_b(const Format& format, const Plane& plane, const Bary& bary,
+                            const Bits3& d, const Bits4& after_a) {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> std::optional<Bits4> {
     const auto [det, dett, audet, av] = after_a;
     const model::AfterA<F> a{F::from_bits(det), F::from_bits(dett), F::from_bits(audet),
                              F::from_bits(av)};
@@ -84,9 +84,9 @@ std::optional<Bits4> pass_b(int e, int m, const Plane& plane, const Bary& bary, 
   });
 }
 
-std::optional<std::tuple<Bits, Bits, Bits>> pass_c(int e, int m, const Bits4& after_b) {
+std::optional<std::tuple<Bits, Bits, Bits>> pass_c(const Format& format, const Bits4& after_b) {
   using Result = std::optional<std::tuple<Bits, Bits, Bits>>;
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> Result {
     const auto [det, dett, detu, detv] = after_b;
     const auto c = model::pass_c(model::AfterB<F>{F::from_bits(det), F::from_bits(dett),
                                                   F::from_bits(detu), F::from_bits(detv)});
@@ -98,22 +98,21 @@ std::optional<std::tuple<Bits, Bits, Bits>> pass_c(int e, int m, const Bits4& af
 }  // namespace
 
 void bind_units(nb::module_& module) {
-  module.def("clip", &clip_ray, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("box_lo"),
-             nb::arg("box_hi"), nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
+  module.def("clip", &clip_ray, nb::arg("format"), nb::arg("box_lo"), nb::arg("box_hi"),
+             nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
              "Set-up of a ray: (miss, status, inv, tmin, tmax).");
-  module.def("split_distance", &split_distance, nb::arg("exp_bits"), nb::arg("frac_bits"),
-             nb::arg("value"), nb::arg("link"), nb::arg("o"), nb::arg("inv"));
-  module.def("choose", &choose, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("t"),
-             nb::arg("tmin"), nb::arg("tmax"), "0: near only, 1: far only, 2: both.");
+  module.def("split_distance", &split_distance, nb::arg("format"), nb::arg("value"),
+             nb::arg("link"), nb::arg("o"), nb::arg("inv"));
+  module.def("choose", &choose, nb::arg("format"), nb::arg("t"), nb::arg("tmin"), nb::arg("tmax"),
+             "0: near only, 1: far only, 2: both.");
   module.def("ordered", &ordered, nb::arg("link"), nb::arg("index"), nb::arg("negative"),
              "(near, far) of the inner node at `index`.");
-  module.def("pass_a", &pass_a, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
-             nb::arg("o"), nb::arg("d"), nb::arg("tnear"), nb::arg("tfar"),
+  module.def("pass_a", &pass_a, nb::arg("format"), nb::arg("plane"), nb::arg("o"), nb::arg("d"),
+             nb::arg("tnear"), nb::arg("tfar"),
              "(det, dett, audet, av), or None when the test is over.");
-  module.def("pass_b", &pass_b, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
-             nb::arg("bary"), nb::arg("d"), nb::arg("after_a"),
-             "(det, dett, detu, detv), or None when the test is over.");
-  module.def("pass_c", &pass_c, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("after_b"),
+  module.def("pass_b", &pass_b, nb::arg("format"), nb::arg("plane"), nb::arg("bary"), nb::arg("d"),
+             nb::arg("after_a"), "(det, dett, detu, detv), or None when the test is over.");
+  module.def("pass_c", &pass_c, nb::arg("format"), nb::arg("after_b"),
              "(t, u, v), or None when t is not finite.");
 }
 

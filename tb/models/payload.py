@@ -37,6 +37,8 @@ class Payloads:
         text = "".join(path.read_text() for path in sources if path.stem.endswith("_pkg"))
         text = re.sub(r"//[^\n]*", "", text + counters.package(config))
         self._constants = {_camel(key): value for key, value in config.items()}
+        self._constants["TowardZero"] = config["rounding"] == "zero"
+        self._constants["Flush"] = config["subnormals"] == "flush"
         for name, expression in CONSTANT.findall(text):
             if re.fullmatch(r"[\w\s:$()>?*+&\[\]-]+", expression):
                 self._constants[name] = self._evaluate(expression)
@@ -49,8 +51,8 @@ class Payloads:
 
     @property
     def format(self):
-        """(exponent bits, fraction bits)."""
-        return self._constants["ExpBits"], self._constants["FracBits"]
+        """(exponent bits, fraction bits, whether toward zero, whether flushed)."""
+        return tuple(self._constants[k] for k in ("ExpBits", "FracBits", "TowardZero", "Flush"))
 
     def width(self, name):
         return _width(self._types[name])

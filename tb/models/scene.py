@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import ti_model
 from models.numbers import numbers
-from models.payload import payloads
 
 BASE = 0x100000  # address of the image in memory
 
@@ -25,7 +24,7 @@ class Scene:
 
     def __init__(self, triangles):
         self.triangles = triangles
-        self.image = ti_model.Image.build(*payloads().format, triangles)
+        self.image = ti_model.Image.build(numbers().format, triangles)
         self.bytes = self.image.bytes
         self.root = self.image.root
         self.node_base = BASE + self.image.node_offset

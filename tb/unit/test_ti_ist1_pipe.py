@@ -12,7 +12,11 @@ from models.ist1_cases import expected, near_end, pass_a_cases, pass_b_cases
 from models.numbers import hexed, numbers
 from models.payload import payloads
 
-FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
+FORMATS = [
+    "",
+    "exp_bits=7 frac_bits=16 rounding=zero",
+    "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush",
+]
 TAG_WIDTH = 9
 
 
