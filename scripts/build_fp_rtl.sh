@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Build the test bench of the floating-point RTL for one format: build_fp_rtl.sh E M OUTDIR [KEY=VALUE ...]
 # leaves the program OUTDIR/fp_rtl.  The operators have the stages of the configuration `tiny` unless keys
-# such as fp_add_stages=5 say otherwise.  Needs `verilator` and `python` on PATH; CXX, OBJCACHE as usual.
+# such as fp_add_stages=5 or rounding=zero say otherwise.  Needs `verilator` and `python` on PATH; CXX, OBJCACHE as usual.
 set -eu
 
 if [ $# -lt 3 ]; then
@@ -28,6 +28,13 @@ frac_bits=$2
 mkdir -p "$3"
 out=$(cd "$3" && pwd)
 shift 3
+defines="-DTI_EXP_BITS=$exp_bits -DTI_FRAC_BITS=$frac_bits"
+for key; do
+  case $key in
+    rounding=zero) defines="$defines -DTI_TOWARD_ZERO=1" ;;
+    subnormals=flush) defines="$defines -DTI_FLUSH=1" ;;
+  esac
+done
 export OBJCACHE="${OBJCACHE-$(command -v ccache || true)}"
 
 # One build at a time in a folder.
@@ -37,7 +44,7 @@ flock 9
 [ ! -e "$out/unfinished" ] || rm -f "$out"/*.o "$out"/*.a "$out"/*.gch "$out/fp_rtl"
 touch "$out/unfinished"
 
-python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --any-format --out "$out/config"
+python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --out "$out/config"
 
 verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$exp_bits" -GFracBits="$frac_bits" \
@@ -46,5 +53,5 @@ verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
   "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/base/format.cpp" \
   -CFLAGS "-std=c++20 -ffp-contract=off -I$root/sw -I$root/sim/fp" \
-  -CFLAGS "-DTI_EXP_BITS=$exp_bits -DTI_FRAC_BITS=$frac_bits" -MAKEFLAGS OPT_FAST=-O2
+  -CFLAGS "$defines" -MAKEFLAGS OPT_FAST=-O2
 rm "$out/unfinished"

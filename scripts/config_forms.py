@@ -146,7 +146,7 @@ def keys_header(schema: Schema) -> str:
         f"{HEAD}// Written by scripts/config_forms.py from configs/schema.yaml.\n"
         "#pragma once\n\n#include <string>\n#include <tuple>\n\n"
         '#include "base/config_rules.hpp"\n#include "base/format.hpp"\n\nnamespace ti {\n\n'
-        "/// The number formats that the model is compiled for.\n"
+        "/// The number formats that the model is compiled for, in their default modes.\n"
         f"inline constexpr Format kModelFormats[] = {{{formats}}};\n\n{enums}"
         "/// The keys of a configuration; `load_config` reads them.\n"
         "struct Config {\n"
@@ -193,7 +193,11 @@ def markdown(schema: Schema) -> str:
                 about = key.text if key.hardware else f"{key.text} Not of the RTL."
                 lines.append(f"| `{key.name}` | {key.allowed()} | {default} | {about} |")
     formats = ", ".join(f"({e},{m})" for e, m in schema.formats)
-    lines += ["", f"Number formats (`exp_bits`, `frac_bits`) of an engine: {formats}."]
+    lines += [
+        "",
+        "The model takes every number format; it is compiled for those of `exp_bits`, `frac_bits` "
+        f"{formats}, rounding to nearest and keeping subnormals, and slower in others.",
+    ]
     return "\n".join(lines) + "\n"
 
 

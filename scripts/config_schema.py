@@ -83,7 +83,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Schema:
-    """All keys in their order, the titles of their groups, and the formats of the model."""
+    """All keys in their order, the titles of their groups, and formats of the compiled model."""
 
     keys: dict[str, Key]
     groups: dict[str, str]

@@ -12,7 +12,7 @@ With --build the places are chosen here and printed, a line each: the folder of 
 where all these files are, and the folder of its engine, where those of its RTL are.  The latter is
 named by the keys of the RTL alone, so all configurations of one machine share it.
 
-Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR [--any-format]
+Usage: scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --out DIR
        scripts/configure.py NAME_OR_PATH [KEY=VALUE ...] --build DIR
 """
 
@@ -120,7 +120,7 @@ def find(name_or_path: str) -> Path:
 
 
 def load(name_or_path: str, overrides: list[str] = (), schema: Schema | None = None):
-    """The `Configuration` of a name or path with its overrides; checked, but for its format."""
+    """The `Configuration` of a name or path with its overrides, checked."""
     schema = schema or config_schema.load()
     path = find(name_or_path)
     stored = read(path, schema)
@@ -135,6 +135,8 @@ def load(name_or_path: str, overrides: list[str] = (), schema: Schema | None = N
     values = schema.defaults() | stored | changes
     check(path, schema, values)
     values["streams"] = values["streams"] or values["cores"]
+    if "interval_guard" not in stored | changes:
+        values["interval_guard"] = outward_ulps(values)
     base = schema.defaults() | stored
     changes = {k: changes[k] for k in schema.keys if k in changes and changes[k] != base.get(k)}
     return Configuration(schema, path, values, changes)
@@ -187,15 +189,9 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
         check_l2(path, config, unit)
 
 
-def check_format(configuration: Configuration) -> None:
-    """Raise `ConfigError` for a number format that an engine's model is not compiled for."""
-    pair = configuration.values["exp_bits"], configuration.values["frac_bits"]
-    if pair not in configuration.schema.formats:
-        formats = ", ".join(f"({e},{m})" for e, m in configuration.schema.formats)
-        raise ConfigError(
-            f"{configuration.path}: exp_bits,frac_bits is ({pair[0]},{pair[1]}), but the model is "
-            f"compiled for {formats}; to have another, add it to `formats` in configs/schema.yaml"
-        )
+def outward_ulps(config: dict[str, object]) -> int:
+    """Units that cover the three roundings of the t of a plane (`ti_fp_pkg`)."""
+    return 8 if config["rounding"] == "zero" else 4
 
 
 def check_reciprocal(path: Path, config: dict[str, int]) -> None:
@@ -269,7 +265,7 @@ def link(path: Path, target: Path) -> None:
 def configure(
     name_or_path: str, overrides: list[str], out: Path, schema: Schema | None = None
 ) -> dict[str, Value]:
-    """Write all files of a configuration into `out`; its values.  For units: any number format."""
+    """Write all files of a configuration into `out`; its values."""
     configuration = load(name_or_path, overrides, schema)
     write(out, configuration.files())
     return configuration.values
@@ -282,14 +278,11 @@ def main() -> int:
     places = parser.add_mutually_exclusive_group(required=True)
     places.add_argument("--out", type=Path, metavar="DIR")
     places.add_argument("--build", type=Path, metavar="DIR", help="where the Makefile builds")
-    parser.add_argument("--any-format", action="store_true", help="also without a model: units")
     parser.add_argument("--schema", type=Path, default=SCHEMA, metavar="FILE")
     arguments = parser.parse_args()
     try:
         schema = config_schema.load(arguments.schema)
         configuration = load(arguments.name_or_path, arguments.overrides, schema)
-        if not arguments.any_format:
-            check_format(configuration)
         if arguments.out:
             write(arguments.out, configuration.files())
         else:

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# lint.sh: Verilator (three configurations and a second number format), Verible, clang-format, Ruff.
+# lint.sh: Verilator (three configurations and a second number format in other modes), Verible, clang-format, Ruff.
 # Any warning fails.  Needs the environment of the Makefile.
 set -u
 cd "$(dirname "$0")/.."
@@ -31,7 +31,7 @@ elaborate() {
 rtl=$(find rtl tb sim -name '*.sv' -o -name '*.svh' | sort)
 cpp=$(find sw sim tb -name '*.cpp' -o -name '*.hpp' | sort)
 
-for words in tiny small paper "tiny exp_bits=7 frac_bits=16" \
+for words in tiny small paper "tiny exp_bits=7 frac_bits=16 rounding=zero subnormals=flush" \
   "tiny cores=3 num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0 sync_reset=0 \
 early_exit=0 any_hit=0 ray_accumulation=retry stack_depth=0" \
   "tiny stack_depth=6 restart=0 watchdog_steps=100" "tiny triangle_test=np rd_cycles=3" \

@@ -17,7 +17,10 @@ namespace ti::sim {
 
 inline constexpr int kFpWidth = 1 + config::kExpBits + config::kFracBits;
 inline constexpr int kStepsWidth = std::bit_width(unsigned{config::kWatchdogSteps});
-inline constexpr Format kFormat{config::kExpBits, config::kFracBits};
+inline constexpr Format kFormat{config::kExpBits,
+                                config::kFracBits,
+                                {.toward_zero = config::kRounding == Rounding::kZero,
+                                 .flush = config::kSubnormals == Subnormals::kFlush}};
 
 /// Bit `index` of a port that has one bit a core or a stream.
 template <typename Port>

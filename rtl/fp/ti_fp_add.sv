@@ -14,6 +14,9 @@
 /// a NaN operand or infinity - infinity gives the one quiet NaN (sign 0, fraction 10...0);
 /// x + -x is +0, -0 + -0 is -0.  Method: order by magnitude, align with guard, round and sticky
 /// bits, add, count the leading zeros as far as the exponent allows, shift left by them, round.
+/// With `TowardZero` nothing is added when rounding, and overflow gives the largest number.  With
+/// `Flush` a subnormal operand is zero of its sign and so is a subnormal result, which is exact
+/// before it is flushed: all leading zeros are counted, and more than the exponent make a zero.
 module ti_fp_add #(
   /// Exponent bits, 3 to 8.
   parameter int unsigned ExpBits = 8,
@@ -21,6 +24,10 @@ module ti_fp_add #(
   parameter int unsigned FracBits = 23,
   /// Register stages, 4 to 7.
   parameter int unsigned Stages = ti_fp_pkg::AddLatency,
+  /// Whether results are rounded toward zero; to nearest even when not.
+  parameter bit TowardZero = ti_fp_pkg::TowardZero,
+  /// Whether subnormals are zeros, as operands and as results.
+  parameter bit Flush = ti_fp_pkg::Flush,
   localparam int unsigned Width = 1 + ExpBits + FracBits
 ) (
   input logic clk_i,
@@ -131,15 +138,15 @@ module ti_fp_add #(
     automatic logic [AlignedBits-1:0] aligned;
     automatic logic [SumBits-1:0] base, addend, sum, left;
     automatic logic [CountBits-1:0] count;
-    automatic logic zero, up;
+    automatic logic zero, up, normal;
 
     valid = {valid_q[Latency-2:0], valid_i};
     if (valid != '0) begin
       for (int k = int'(Latency) - 1; k >= 0; k--) begin
         // Order: larger magnitude first.
         if (k == 0 && valid[k]) begin
-          mag_a = a_i[MagBits-1:0];
-          mag_b = b_i[MagBits-1:0];
+          mag_a = a_i[MagBits-1:0] & {MagBits{!Flush || a_i[FracBits+:ExpBits] != '0}};
+          mag_b = b_i[MagBits-1:0] & {MagBits{!Flush || b_i[FracBits+:ExpBits] != '0}};
           sign_a = a_i[Width-1];
           sign_b = b_i[Width-1] ^ negate_b_i;
           subtract = sign_a ^ sign_b;
@@ -167,7 +174,8 @@ module ti_fp_add #(
           end
           exp_major = major[FracBits+:ExpBits];
           exp_minor = minor[FracBits+:ExpBits];
-          wide_distance = exp_major - exp_minor - ExpBits'(exp_minor == '0 && exp_major != '0);
+          wide_distance = exp_major - exp_minor
+              - ExpBits'(!Flush && exp_minor == '0 && exp_major != '0);
           distance_q <= 32'(wide_distance) > DistanceMax ? DistanceBits'(DistanceMax)
               : DistanceBits'(wide_distance);
           distance_major_q <= major;
@@ -207,13 +215,13 @@ module ti_fp_add #(
         end
 
         // Count: leading zeros of the sum.  A one at the place that would become exponent 1 ends the
-        // count there.
+        // count there, where subnormals are kept.
         if (k == int'(CountStage) && valid[k]) begin
           sum = sum_q;
-          exponent = sum_exp_q | ExpBits'(sum_exp_q == '0);
+          exponent = sum_exp_q | ExpBits'(!Flush && sum_exp_q == '0);
           side = sum_side_q;
           left = {1'b1, {(SumBits - 1) {1'b0}}} >> CountBits'(exponent);
-          left = sum | (left & {SumBits{32'(exponent) < SumBits}});
+          left = sum | (left & {SumBits{!Flush && 32'(exponent) < SumBits}});
           count = '0;
           // Steps without a branch, which a simulator would guess wrong.
           for (int i = int'(CountBits) - 1; i >= 0; i--) begin
@@ -236,21 +244,25 @@ module ti_fp_add #(
             side = count_side_q;
           end
           left = sum << count;
-          exp_major = left[SumBits-1] ? exponent + ExpBits'(1) - ExpBits'(count) : '0;
-          shift_mag_q <= {exp_major, left[SumBits-2-:FracBits]};
+          normal = left[SumBits-1] && !(Flush && 32'(count) > 32'(exponent));
+          exp_major = normal ? exponent + ExpBits'(1) - ExpBits'(count) : '0;
+          shift_mag_q <= {exp_major, left[SumBits-2-:FracBits] & {FracBits{!Flush || normal}}};
           shift_guard_q <= left[SumBits-2-FracBits];
           shift_sticky_q <= |left[SumBits-3-FracBits:0];
-          shift_inf_q <= (&exponent) || (&exp_major);
+          shift_inf_q <= (&exponent) || (!TowardZero && (&exp_major));
           shift_side_q <= side;
         end
 
-        // Round: a carry out of the fraction is the right exponent, up to infinity.
+        // Round: a carry out of the fraction is the right exponent, up to infinity.  Without it the
+        // exponent of infinity is beyond the largest number.
         if (k == int'(RoundStage) && valid[k]) begin
-          up = shift_guard_q && (shift_sticky_q || shift_mag_q[0]);
+          up = !TowardZero && shift_guard_q && (shift_sticky_q || shift_mag_q[0]);
           if (shift_side_q.to_nan) begin
             result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
           end else if (shift_inf_q) begin
             result_o <= {shift_side_q.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+          end else if (TowardZero && (&shift_mag_q[FracBits+:ExpBits])) begin
+            result_o <= {shift_side_q.sign, {(ExpBits - 1) {1'b1}}, 1'b0, {FracBits{1'b1}}};
           end else begin
             result_o <= {shift_side_q.sign, shift_mag_q + MagBits'(up)};
           end

@@ -15,6 +15,10 @@
 /// every other result, zeros included, is the exclusive or of the signs.  Method: full product of
 /// the significands as they stand; beside it the leading zeros of the smaller one, as far as the
 /// exponent allows; one shift (left by them, or right into the subnormals), round.
+/// With `TowardZero` nothing is added when rounding, and overflow gives the largest number.  With
+/// `Flush` a subnormal operand is zero of its sign, and a result is rounded as if exponents had no
+/// end, then zero of its sign where its exponent is below 1: no zeros are counted, and one place to
+/// the left is all that is shifted.
 module ti_fp_mul #(
   /// Exponent bits, 3 to 8.
   parameter int unsigned ExpBits = 8,
@@ -22,6 +26,10 @@ module ti_fp_mul #(
   parameter int unsigned FracBits = 23,
   /// Register stages, 3 to 5.
   parameter int unsigned Stages = ti_fp_pkg::MulLatency,
+  /// Whether results are rounded toward zero; to nearest even when not.
+  parameter bit TowardZero = ti_fp_pkg::TowardZero,
+  /// Whether subnormals are zeros, as operands and as results.
+  parameter bit Flush = ti_fp_pkg::Flush,
   localparam int unsigned Width = 1 + ExpBits + FracBits
 ) (
   input logic clk_i,
@@ -77,6 +85,8 @@ module ti_fp_mul #(
     logic sign;
     logic to_nan;
     logic to_inf;
+    logic to_max;   // overflow toward zero
+    logic to_zero;  // flushed
   } side_t;
 
   logic [Latency-1:0] valid_q;
@@ -116,7 +126,7 @@ module ti_fp_mul #(
     automatic side_t side;
     automatic logic [ExpBits-1:0] exp_a, exp_b;
     automatic logic [FracBits-1:0] frac_a, frac_b;
-    automatic logic max_a, max_b;
+    automatic logic max_a, max_b, zero_a, zero_b;
     automatic logic [SigBits-1:0] sig_a, sig_b, left;
     automatic logic [SigBits+LowBits-1:0] low;
     automatic logic [SigBits+HighBits-1:0] high;
@@ -125,7 +135,8 @@ module ti_fp_mul #(
     automatic logic [SumExpBits-1:0] distance;
     automatic logic [ShiftBits-1:0] shift;
     automatic logic [ProdBits-1:0] product;
-    automatic logic zero, top, moves, up;
+    automatic logic [MagBits-1:0] mag;
+    automatic logic zero, top, moves, up, over;
 
     valid = {valid_q[Latency-2:0], valid_i};
     if (valid != '0) begin
@@ -138,14 +149,18 @@ module ti_fp_mul #(
           frac_b = b_i[FracBits-1:0];
           max_a = &exp_a;
           max_b = &exp_b;
-          sig_a = {exp_a != '0, frac_a};
-          sig_b = {exp_b != '0, frac_b};
+          zero_a = exp_a == '0 && (Flush || frac_a == '0);
+          zero_b = exp_b == '0 && (Flush || frac_b == '0);
+          sig_a = {Flush || exp_a != '0, frac_a};
+          sig_b = {Flush || exp_b != '0, frac_b};
           side.sign = a_i[Width-1] ^ b_i[Width-1];
           side.to_inf = max_a || max_b;
           side.to_nan = (max_a && frac_a != '0) || (max_b && frac_b != '0)
-              || (max_a && b_i[MagBits-1:0] == '0) || (max_b && a_i[MagBits-1:0] == '0);
-          exponent = SumExpBits'(exp_a) + SumExpBits'(exp_b) + SumExpBits'(exp_a == '0)
-              + SumExpBits'(exp_b == '0) - SumExpBits'(Bias - 1);
+              || (max_a && zero_b) || (max_b && zero_a);
+          side.to_max = 1'b0;
+          side.to_zero = Flush && (zero_a || zero_b);
+          exponent = SumExpBits'(exp_a) + SumExpBits'(exp_b) + SumExpBits'(!Flush && exp_a == '0)
+              + SumExpBits'(!Flush && exp_b == '0) - SumExpBits'(Bias - 1);
           unpack_a_q <= sig_a;
           unpack_b_q <= sig_b;
           unpack_exp_q <= exponent;
@@ -164,7 +179,7 @@ module ti_fp_mul #(
           low   = (SigBits + LowBits)'(sig_a) * (SigBits + LowBits)'(sig_b[LowBits-1:0]);
           high  = (SigBits + HighBits)'(sig_a) * (SigBits + HighBits)'(sig_b[SigBits-1:LowBits]);
           count = '0;
-          if (!(sig_a[SigBits-1] && sig_b[SigBits-1])) begin
+          if (!Flush && !(sig_a[SigBits-1] && sig_b[SigBits-1])) begin
             distance = exponent - SumExpBits'(1);
             left = {1'b1, {(SigBits - 1) {1'b0}}} >> CountBits'(distance);
             left = left & {SigBits{32'(distance) < SigBits}};
@@ -202,7 +217,12 @@ module ti_fp_mul #(
         if (k == int'(ShiftStage) && valid[k]) begin
           side = product_side_q;
           exponent = product_exp_q;
-          if (!exponent[SumExpBits-1] && exponent != '0) begin
+          if (Flush) begin
+            top = product_q[ProdBits-1];
+            product = product_q << !top;
+            exponent = exponent - SumExpBits'(!top);
+            side.to_zero = side.to_zero || exponent[SumExpBits-1];
+          end else if (!exponent[SumExpBits-1] && exponent != '0) begin
             product = product_q << product_count_q;
             exponent = exponent - SumExpBits'(product_count_q);
             top = product[ProdBits-1];
@@ -219,19 +239,26 @@ module ti_fp_mul #(
           shift_mag_q <= {exponent[ExpBits-1:0], product[ProdBits-2-:FracBits]};
           shift_guard_q <= product[ProdBits-2-FracBits];
           shift_sticky_q <= |product[ProdBits-3-FracBits:0];
-          side.to_inf = side.to_inf || 32'(exponent) >= ExpMax;
+          over = 32'(exponent) >= ExpMax && !exponent[SumExpBits-1];
+          side.to_inf = side.to_inf || (!TowardZero && over);
+          side.to_max = TowardZero && over;
           shift_side_q <= side;
         end
 
         // Round: a carry out of the fraction is the right exponent, up to infinity.
         if (k == int'(RoundStage) && valid[k]) begin
-          up = shift_guard_q && (shift_sticky_q || shift_mag_q[0]);
+          up  = !TowardZero && shift_guard_q && (shift_sticky_q || shift_mag_q[0]);
+          mag = shift_mag_q + MagBits'(up);
           if (shift_side_q.to_nan) begin
             result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
           end else if (shift_side_q.to_inf) begin
             result_o <= {shift_side_q.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+          end else if (TowardZero && shift_side_q.to_max) begin
+            result_o <= {shift_side_q.sign, {(ExpBits - 1) {1'b1}}, 1'b0, {FracBits{1'b1}}};
+          end else if (Flush && (shift_side_q.to_zero || mag[FracBits+:ExpBits] == '0)) begin
+            result_o <= {shift_side_q.sign, {MagBits{1'b0}}};
           end else begin
-            result_o <= {shift_side_q.sign, shift_mag_q + MagBits'(up)};
+            result_o <= {shift_side_q.sign, mag};
           end
         end
       end

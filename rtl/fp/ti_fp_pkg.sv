@@ -1,10 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// Latencies in cycles of the floating-point operators, for the pipelines built from them.
+/// Modes of the floating-point operators, and their latencies in cycles for the pipelines built from
+/// them.
 ///
-/// They follow the configuration.  The operators check their own sum of steps against the stages
+/// Both follow the configuration.  The operators check their own sum of steps against the stages
 /// that they are asked for.
 package ti_fp_pkg;
+
+  /// Whether every operation rounds toward zero; to nearest even when not.
+  localparam bit TowardZero = ti_config_pkg::Rounding == ti_config_pkg::RoundingZero;
+
+  /// Whether subnormals are zeros of their sign, as operands and as results.
+  localparam bit Flush = ti_config_pkg::Subnormals == ti_config_pkg::SubnormalsFlush;
+
+  /// Units in the last place that cover three roundings: those of the t of a plane.
+  localparam int unsigned OutwardUlps = TowardZero ? 8 : 4;
 
   /// `ti_fp_add`.
   localparam int unsigned AddLatency = ti_config_pkg::FpAddStages;

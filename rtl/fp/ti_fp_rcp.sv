@@ -10,11 +10,15 @@
 /// own, which leaves time for what the caller has in front; with 4 the quotient is shifted in one
 /// stage and rounded in the next.
 ///
-/// Error at most half a unit in the last place in every format: restoring long division, one digit
+/// Error at most half a unit in the last place in every format, one toward zero: restoring long division, one digit
 /// of `BitsPerStage` bits by comparing with all its multiples of the divisor at once, remainder as
 /// sticky bit, one rounding to nearest even.  IEEE 754: subnormals kept on both sides; 1/0 is
 /// infinity and 1/infinity is zero, with the operand's sign; a subnormal operand whose inverse is
 /// out of range gives infinity; 1/NaN is the one quiet NaN (sign 0, fraction 10...0).
+/// With `TowardZero` the quotient is cut off, and an inverse out of range gives the largest number.
+/// With `Flush` a subnormal operand is zero of its sign, and a result is rounded as if exponents had
+/// no end, then zero of its sign where its exponent is below 1: no zeros are counted and nothing is
+/// shifted, in stages that are there all the same.
 module ti_fp_rcp #(
   /// Exponent bits, 3 to 8.
   parameter int unsigned ExpBits = 8,
@@ -24,6 +28,10 @@ module ti_fp_rcp #(
   parameter int unsigned BitsPerStage = ti_fp_pkg::RcpBitsPerStage,
   /// Stages in front of and behind the quotient, 2 to 4.
   parameter int unsigned EndStages = ti_fp_pkg::RcpEndStages,
+  /// Whether results are rounded toward zero; to nearest even when not.
+  parameter bit TowardZero = ti_fp_pkg::TowardZero,
+  /// Whether subnormals are zeros, as operands and as results.
+  parameter bit Flush = ti_fp_pkg::Flush,
   localparam int unsigned Width = 1 + ExpBits + FracBits
 ) (
   input logic clk_i,
@@ -83,7 +91,8 @@ module ti_fp_rcp #(
     logic sign;
     logic to_nan;
     logic to_inf;  // the operand is zero
-    logic to_zero;  // the operand is infinite
+    logic to_zero;  // the operand is infinite, or the result flushed
+    logic to_max;  // overflow toward zero
     logic signed [WideExpBits-1:0] exponent;  // of the result when 1/m < 1
   } side_t;
 
@@ -126,19 +135,22 @@ module ti_fp_rcp #(
       if (k == 0 && valid_i) begin
         exp_a = a_i[FracBits+:ExpBits];
         frac_a = a_i[FracBits-1:0];
-        sig = {exp_a != '0, frac_a};
+        sig = {Flush || exp_a != '0, frac_a};
         left = sig;
         count = '0;
-        for (int i = int'(CountBits) - 1; i >= 0; i--) begin
-          zero  = (left >> (SigBits - (1 << i))) == '0;
-          count = count | (CountBits'(zero) << i);
-          left  = left << (CountBits'(zero) << i);
+        if (!Flush) begin
+          for (int i = int'(CountBits) - 1; i >= 0; i--) begin
+            zero  = (left >> (SigBits - (1 << i))) == '0;
+            count = count | (CountBits'(zero) << i);
+            left  = left << (CountBits'(zero) << i);
+          end
         end
         side = '{
             sign: a_i[Width-1],
             to_nan: (&exp_a) && frac_a != '0,
-            to_inf: a_i[MagBits-1:0] == '0,
+            to_inf: exp_a == '0 && (Flush || frac_a == '0),
             to_zero: (&exp_a) && frac_a == '0,
+            to_max: 1'b0,
             exponent: WideExpBits'(2 * Bias - 1) - WideExpBits'(exp_a | ExpBits'(exp_a == '0))
         };
         count_sig_q <= sig;
@@ -198,18 +210,22 @@ module ti_fp_rcp #(
     automatic logic signed [WideExpBits-1:0] exponent;
     automatic logic [QuotBits+1:0] placed;
     automatic logic [MagBits-1:0] mag;
-    automatic logic guard, sticky;
+    automatic logic guard, sticky, over;
 
     for (int k = int'(Latency) - 1; k >= int'(PlaceStage); k--) begin
-      // Place: the exponent is at least -1, so a subnormal result is one or two places away.
+      // Place: the exponent is at least -1, so a subnormal result is one or two places away.  One
+      // that may be flushed is rounded where it is.
       if (k == int'(PlaceStage) && valid_q[PlaceStage-1]) begin
         side = side_q[DigitLatency];
         quotient = quotient_q[DigitLatency];
         exponent = side.exponent + WideExpBits'(quotient[QuotBits-1]);
         placed = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
-        if (exponent == 0) placed = placed >> 1;
-        if (exponent < 0) placed = placed >> 2;
-        side.to_inf = side.to_inf || 32'(exponent) >= ExpMax;
+        if (!Flush && exponent == 0) placed = placed >> 1;
+        if (!Flush && exponent < 0) placed = placed >> 2;
+        over = !Flush && 32'(exponent) >= ExpMax;
+        side.to_inf = side.to_inf || (!TowardZero && over);
+        side.to_max = TowardZero && over;
+        side.to_zero = side.to_zero || (Flush && exponent < 0);
         mag = {
           placed[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), placed[QuotBits-:FracBits]
         };
@@ -229,14 +245,19 @@ module ti_fp_rcp #(
           sticky = place_sticky_q;
           side = place_side_q;
         end
+        mag = mag + MagBits'(!TowardZero && guard && (sticky || mag[0]));
         if (side.to_nan) begin
           result_o <= {1'b0, {ExpBits{1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}};
         end else if (side.to_zero) begin
           result_o <= {side.sign, {MagBits{1'b0}}};
         end else if (side.to_inf) begin
           result_o <= {side.sign, {ExpBits{1'b1}}, {FracBits{1'b0}}};
+        end else if (TowardZero && side.to_max) begin
+          result_o <= {side.sign, {(ExpBits - 1) {1'b1}}, 1'b0, {FracBits{1'b1}}};
+        end else if (Flush && mag[FracBits+:ExpBits] == '0) begin
+          result_o <= {side.sign, {MagBits{1'b0}}};
         end else begin
-          result_o <= {side.sign, mag + MagBits'(guard && (sticky || mag[0]))};
+          result_o <= {side.sign, mag};
         end
       end
     end

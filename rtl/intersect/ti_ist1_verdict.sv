@@ -4,10 +4,17 @@
 /// `IntervalCull`.
 ///
 /// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign,
-/// |dett| exceeds |limit| by more than 4 ulp, or |nearest| exceeds |dett| by more than 4 ulp.
+/// |dett| exceeds |limit| by more than `CullUlps`, or |nearest| exceeds |dett| by more than that.
 /// The far end counts only where tfar, limit and 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tfar for
 /// certain, as its relative error is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.  The near end
 /// counts only where nearest is a normal number: then dett / det < tnear for certain.
+///
+/// Rounding toward zero, limit is less than an ulp below P = |tfar * det|, so that |dett| > limit + k ulp makes |dett| at
+/// least P (1 + u)^k.  1/det is cut by less than 2 u of itself, hence |dett| * fl(1/det) >= tfar (1 + u)^k (1 - 2 u), and
+/// that is not cut down to tfar where it reaches the next number, which is at most tfar (1 + 2 u).  k = 5 does it for
+/// FracBits >= 2.  It holds only where 1/det and t do not end at the largest number, so not for a subnormal det, nor for
+/// a tfar in the topmost binade.  |nearest| is never above |tnear * det|, so that the near end needs no guard.
+/// Where subnormals are flushed det is normal or 0, and t > tfar is normal: nothing else changes.
 /// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
 module ti_ist1_verdict #(
   parameter bit IntervalCull = 1'b1
@@ -27,7 +34,7 @@ module ti_ist1_verdict #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
   // Units in the last place by which the range test of (a) errs on the side of keeping.
-  localparam int unsigned CullUlps = 4;
+  localparam int unsigned CullUlps = ti_fp_pkg::TowardZero ? 5 : 4;
 
   // What kinds of numbers these are.
   logic zero_x1, finite_x1, nan_x1, zero_x2, nan_x2, zero_x3, finite_x3, nan_x3;
@@ -83,9 +90,9 @@ module ti_ist1_verdict #(
     .nan_o   ()
   );
 
-  // (a) |limit| + 4 ulp < |dett|; (b) |detu + detv| <= |det|.
+  // (a) |limit| and CullUlps < |dett|; (b) |detu + detv| <= |det|.
   fp_t limit_size, limit_up, x3_size;
-  logic lt, le, inverse_is_normal, beyond;
+  logic lt, le, inverse_is_normal, saturates, beyond;
   assign x3_size = {1'b0, x3_i[W-2:0]};
   assign limit_size = {1'b0, limit_i[W-2:0]};
   assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
@@ -102,9 +109,11 @@ module ti_ist1_verdict #(
     .unordered_o()
   );
   assign inverse_is_normal = x1_i[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
-  assign beyond = lt && inverse_is_normal && normal_tfar && normal_limit;
+  assign saturates = ti_fp_pkg::TowardZero &&
+      (x1_i[M+:E] == '0 || given_i[M+:E] >= E'(2 * ti_num_pkg::Bias));
+  assign beyond = lt && inverse_is_normal && normal_tfar && normal_limit && !saturates;
 
-  // (a) |dett| + 4 ulp < |nearest|.
+  // (a) |dett| and CullUlps < |nearest|.
   logic lies_before;
   if (IntervalCull) begin : gen_near
     fp_t x3_up;

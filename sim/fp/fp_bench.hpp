@@ -12,7 +12,14 @@
 
 namespace ti::sim {
 
-using Model = Fp<TI_EXP_BITS, TI_FRAC_BITS>;
+#ifndef TI_TOWARD_ZERO
+#define TI_TOWARD_ZERO 0
+#endif
+#ifndef TI_FLUSH
+#define TI_FLUSH 0
+#endif
+using Model = Fp<TI_EXP_BITS, TI_FRAC_BITS,
+                 Modes{.toward_zero = TI_TOWARD_ZERO != 0, .flush = TI_FLUSH != 0}>;
 
 enum class FpOp { Add, Sub, Mul, Rcp, Lt, Le, Eq };
 inline constexpr std::array<const char*, 7> kFpOpNames = {"add", "sub", "mul", "rcp",

@@ -23,7 +23,7 @@ namespace {
 
 /// The scene box stands off the triangles by this share of the diagonal, and by this many units in
 /// the last place of the largest coordinate. Cells and dilation keep the latter distances too: see
-/// `docs/tree.md`.
+/// `docs/tree.md`. Where operations round toward zero, all are twice as long.
 constexpr double kBoxPadding = 2e-6;
 constexpr double kBoxPaddingUlps = 4.0;
 constexpr double kMinCellUlps = 4.0;
@@ -64,20 +64,24 @@ KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& op
       std::sqrt(std::pow(box.hi[0] - box.lo[0], 2) + std::pow(box.hi[1] - box.lo[1], 2) +
                 std::pow(box.hi[2] - box.lo[2], 2));
   const double ulp = rules.grid.spacing(largest);
-  const double coarser = std::exp2(23 - options.format.frac_bits);
-  rules.min_cell = std::max(options.min_cell * coarser * diagonal, kMinCellUlps * ulp);
-  rules.dilation = std::max(options.dilation * coarser * diagonal, kDilationUlps * ulp);
-  const double padding =
-      std::max({kBoxPadding * coarser * diagonal, kBoxPaddingUlps * ulp, 2.0 * rules.dilation});
+  // All distances are those of (8, 23) to nearest, in units of what an operation may be off.
+  const double coarser = options.format.rounding_unit() / Format{}.rounding_unit();
+  const double error = options.format.rounding_unit() * std::exp2(options.format.frac_bits + 1);
+  // What the difference of a plane and an origin may lose where subnormals are flushed.
+  const double lost = options.format.modes.flush ? 2.0 * options.format.least_normal() : 0.0;
+  rules.min_cell =
+      std::max(options.min_cell * coarser * diagonal, kMinCellUlps * error * ulp) + lost;
+  rules.dilation = std::max(options.dilation * coarser * diagonal, kDilationUlps * ulp) + lost;
+  const double padding = std::max(
+      {kBoxPadding * coarser * diagonal, kBoxPaddingUlps * error * ulp, 2.0 * rules.dilation});
   rules.box = box.grown(padding);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     rules.box.lo[axis] = rules.grid.at_most(rules.box.lo[axis]);
     rules.box.hi[axis] = rules.grid.at_least(rules.box.hi[axis]);
     if (!std::isfinite(rules.box.lo[axis]) || !std::isfinite(rules.box.hi[axis])) {
-      throw Error("mesh: the padded scene box is beyond the largest number of the format (" +
-                  std::to_string(options.format.exp_bits) + ", " +
-                  std::to_string(options.format.frac_bits) +
-                  "): scale the mesh down or choose a format with more exponent bits");
+      throw Error("mesh: the padded scene box is beyond the largest number of the format " +
+                  name_of(options.format) +
+                  ": scale the mesh down or choose a format with more exponent bits");
     }
   }
   rules.depth_limit = static_cast<int>(
@@ -221,6 +225,8 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   header.frac_bits = static_cast<std::uint8_t>(options.format.frac_bits);
   header.test = options.test;
   header.layout = options.layout == Layout::kOdfl ? 0 : 1;
+  header.rounding = options.format.modes.toward_zero ? 1 : 0;
+  header.subnormals = options.format.modes.flush ? 1 : 0;
   header.section_count = static_cast<std::uint32_t>(sections.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.box_lo[axis] = round_to_bits(options.format, rules.box.lo[axis]);

@@ -89,8 +89,14 @@ void ImageChecker::check_header() const {
          std::to_string(header.frac_bits) + ") at byte 16 is not between (3, 2) and (8, 23)");
   }
   check_kinds();
-  if (header.layout > 1)
-    fail("layout " + std::to_string(header.layout) + " at byte 48 is not 0 or 1");
+  const auto check_bit = [this](const char* what, int value, int byte) {
+    if (value > 1)
+      fail(what + (" " + std::to_string(value)) + " at byte " + std::to_string(byte) +
+           " is not 0 or 1");
+  };
+  check_bit("layout", header.layout, 48);
+  check_bit("rounding", header.rounding, 49);
+  check_bit("subnormals", header.subnormals, 50);
 }
 
 void ImageChecker::check_kinds() const {
@@ -282,7 +288,11 @@ const ImageHeader& Image::header() const {
   return *reinterpret_cast<const ImageHeader*>(bytes_.data());
 }
 
-Format Image::format() const { return {header().exp_bits, header().frac_bits}; }
+Format Image::format() const {
+  return {header().exp_bits,
+          header().frac_bits,
+          {.toward_zero = header().rounding == 1, .flush = header().subnormals == 1}};
+}
 
 std::span<const ImageNode> Image::nodes() const {
   return elements<ImageNode>(bytes_, parts_.node_offset, parts_.node_count);

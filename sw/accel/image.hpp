@@ -42,8 +42,10 @@ struct ImageHeader {
   std::uint32_t root = 0;                 ///< node number of the root
   std::array<std::uint32_t, 3> box_lo{};  ///< scene box, padded outward, bits of the format
   std::array<std::uint32_t, 3> box_hi{};
-  std::uint8_t layout = 0;  ///< 0 ODFL, 1 DFL
-  std::array<std::uint8_t, 3> reserved0{};
+  std::uint8_t layout = 0;      ///< 0 ODFL, 1 DFL
+  std::uint8_t rounding = 0;    ///< of operations: 0 to nearest even, 1 toward zero
+  std::uint8_t subnormals = 0;  ///< 0 kept, 1 flushed
+  std::uint8_t reserved0 = 0;
   std::uint32_t section_count = 0;
   std::array<std::uint32_t, 2> reserved1{};
 };

@@ -97,7 +97,10 @@ Config load_config(const std::filesystem::path& path) {
   config.json = json.dump();
   std::apply([&](const auto&... rule) { (reader.read(rule, config), ...); }, kConfigRules);
   reader.end();
-  config.format = {config.exp_bits, config.frac_bits};
+  config.format = {config.exp_bits,
+                   config.frac_bits,
+                   {.toward_zero = config.rounding == Rounding::kZero,
+                    .flush = config.subnormals == Subnormals::kFlush}};
   return config;
 }
 

@@ -7,7 +7,30 @@
 
 namespace ti {
 
-std::uint32_t round_to_bits(Format format, double value) {
+double Format::rounding_unit() const {
+  return std::ldexp(1.0, modes.toward_zero ? -frac_bits : -frac_bits - 1);
+}
+
+double Format::least_normal() const { return std::ldexp(1.0, 1 - bias()); }
+
+double Format::underflow_unit() const {
+  return modes.flush ? least_normal() : least_normal() * rounding_unit();
+}
+
+std::string name_of(const Format& format) {
+  std::string text =
+      "(" + std::to_string(format.exp_bits) + "," + std::to_string(format.frac_bits) + ")";
+  const char* before = " ";
+  const auto add = [&](const std::string& words) {
+    text += before + words;
+    before = ", ";
+  };
+  if (format.modes.toward_zero) add("toward zero");
+  if (format.modes.flush) add("flushed");
+  return text;
+}
+
+std::uint32_t round_to_bits(const Format& format, double value) {
   const int m = format.frac_bits;
   const std::uint32_t inf = ((1u << format.exp_bits) - 1) << m;
   if (std::isnan(value)) return inf | (1u << (m - 1));
@@ -22,8 +45,9 @@ std::uint32_t round_to_bits(Format format, double value) {
   exponent -= 53;
 
   // The unit of the last place is 2^(field - bias - m), with the least field 1 shared by
-  // subnormals.
-  const int field = std::max(exponent + 52 + format.bias(), 1);
+  // subnormals that are kept.
+  const bool flush = format.modes.flush;
+  const int field = std::max(exponent + 52 + format.bias(), flush ? -m : 1);
   if (field > 2 * format.bias()) return sign | inf;
   const int dropped = field - format.bias() - m - exponent;  // at least 52 - m
   if (dropped > 54) return sign;
@@ -33,11 +57,13 @@ std::uint32_t round_to_bits(Format format, double value) {
   const bool up = rest > half || (rest == half && (kept & 1) != 0);
   // `kept` has its leading bit at m for normal numbers, which counts one into the exponent field; a
   // carry of the rounding does the same, up to infinity.
-  const std::uint64_t base = static_cast<std::uint64_t>(field - 1) << m;
-  return sign | static_cast<std::uint32_t>(base + kept + (up ? 1 : 0));
+  const std::int64_t base = std::int64_t{field - 1} * (std::int64_t{1} << m);
+  const std::int64_t magnitude = base + static_cast<std::int64_t>(kept) + (up ? 1 : 0);
+  if (flush && magnitude < std::int64_t{1} << m) return sign;
+  return sign | static_cast<std::uint32_t>(magnitude);
 }
 
-double value_of_bits(Format format, std::uint32_t bits) {
+double value_of_bits(const Format& format, std::uint32_t bits) {
   const int m = format.frac_bits;
   const std::uint32_t fraction = bits & ((1u << m) - 1);
   const int field = static_cast<int>((bits >> m) & ((1u << format.exp_bits) - 1));
@@ -47,6 +73,8 @@ double value_of_bits(Format format, std::uint32_t bits) {
   if (field == (1 << format.exp_bits) - 1) {
     if (fraction != 0) return std::numeric_limits<double>::quiet_NaN();
     magnitude = std::numeric_limits<double>::infinity();
+  } else if (field == 0 && format.modes.flush) {
+    magnitude = 0.0;
   } else if (field == 0) {
     magnitude = std::ldexp(static_cast<double>(fraction), 1 - format.bias() - m);
   } else {

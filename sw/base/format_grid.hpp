@@ -15,9 +15,10 @@ namespace ti {
 /// most 8 exponent and 23 fraction bits is a `float`, so answers are floats.
 class FormatGrid {
  public:
-  explicit FormatGrid(Format format)
+  explicit FormatGrid(const Format& format)
       : frac_bits_(format.frac_bits),
         min_exponent_(1 - format.bias()),
+        flush_(format.modes.flush),
         max_((2.0 - power(-format.frac_bits)) * power(format.bias())) {}
 
   /// Largest value less than `x`; -inf when there is none.
@@ -30,7 +31,10 @@ class FormatGrid {
     double count = std::ceil(scaled) - 1.0;
     // The values just below a power of two stand half as far apart.
     if (scaled == power(frac_bits_) && exponent > min_exponent_) count += 0.5;
-    return static_cast<float>(count * power(unit)) + 0.0F;  // + 0: no -0
+    const double value = count * power(unit);
+    if (flush_ && std::abs(value) < power(min_exponent_))
+      return value < 0.0 ? static_cast<float>(-power(min_exponent_)) : 0.0F;
+    return static_cast<float>(value) + 0.0F;  // + 0: no -0
   }
 
   /// Smallest value greater than `x`; inf when there is none.
@@ -62,6 +66,7 @@ class FormatGrid {
 
   int frac_bits_;
   int min_exponent_;
+  bool flush_;
   double max_;
 };
 

@@ -24,6 +24,7 @@ struct Arguments {
   std::string cases_file;
   std::string base_file;       ///< configuration that a machine was planned on; empty: none was
   std::filesystem::path keys;  ///< of machine: file for them; empty: render
+  std::uint64_t count = 100000;  ///< of accuracy: rays of each kind
   int spp = 1;
   int bounces = 4;
   std::string frames;  ///< of an animation; empty: a picture
@@ -37,6 +38,8 @@ struct Arguments {
 int render(Arguments& arguments);
 int trace(Arguments& arguments);
 int image(Arguments& arguments);
+/// Hits of the model against exact ones, for rays of several kinds; JSON in `arguments.run.out`.
+int accuracy(Arguments& arguments);
 int hardcases(const Arguments& arguments);
 /// The keys that a picture calls for, as `SET=` has them, in the file `arguments.run.out`.
 int machine(Arguments& arguments);

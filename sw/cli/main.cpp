@@ -126,6 +126,17 @@ int run(int argc, char** argv) {
   add_scene(*image_command, arguments);
   image_command->add_option("--out", arguments.run.out, "file to write, .tiim")->required();
 
+  CLI::App* accuracy_command = app.add_subcommand(
+      "accuracy", "count wrong hits of the model by exact arithmetic, and write them as JSON");
+  add_config(*accuracy_command, arguments);
+  add_scene(*accuracy_command, arguments);
+  accuracy_command->add_option("--rays", arguments.rays, "kinds of rays, with spaces between")
+      ->required();
+  accuracy_command->add_option("--count", arguments.count, "rays of each kind")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+  accuracy_command->add_option("--seed", arguments.seed, "of the rays");
+  accuracy_command->add_option("--out", arguments.run.out, "file to write, .json")->required();
+
   CLI::App* cases_command = app.add_subcommand("hardcases", "trace and judge a file of hard cases");
   add_config(*cases_command, arguments);
   add_engine(*cases_command, arguments);
@@ -144,6 +155,7 @@ int run(int argc, char** argv) {
   if (machine_command->parsed()) return ti::machine(arguments);
   if (render_command->parsed()) return ti::render(arguments);
   if (trace_command->parsed()) return ti::trace(arguments);
+  if (accuracy_command->parsed()) return ti::accuracy(arguments);
   if (image_command->parsed()) return ti::image(arguments);
   return ti::hardcases(arguments);
 }

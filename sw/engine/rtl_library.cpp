@@ -58,10 +58,8 @@ std::unique_ptr<Engine> load_rtl_engine(const std::filesystem::path& path, const
     }
   }
   if (!(image.format() == config.format)) {
-    throw Error(fmt::format(
-        "the image has the number format ({},{}), the RTL ({},{}): build the image again",
-        image.format().exp_bits, image.format().frac_bits, config.format.exp_bits,
-        config.format.frac_bits));
+    throw Error(fmt::format("the image has the number format {}, the RTL {}: build the image again",
+                            name_of(image.format()), name_of(config.format)));
   }
   RtlOptions complete = options;
   complete.clock_mhz = config.clock_mhz;

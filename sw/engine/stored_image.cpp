@@ -74,11 +74,9 @@ Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, const C
   const Format format = config.format;
   if (!(image.format() == format)) {
     throw Error(
-        fmt::format("{}: the image has the number format ({},{}), the configuration has ({},{}); "
-                    "make it again by "
-                    "`make image`",
-                    path.string(), image.format().exp_bits, image.format().frac_bits,
-                    format.exp_bits, format.frac_bits));
+        fmt::format("{}: the image has the number format {}, the configuration has {}; make it "
+                    "again by `make image`",
+                    path.string(), name_of(image.format()), name_of(format)));
   }
   const auto layout = static_cast<std::uint8_t>(config.layout);
   if (image.header().layout != layout) {

@@ -17,8 +17,12 @@ struct TestRange {
   F far;
 };
 
-/// Units in the last place by which the range test of pass (a) errs on the side of keeping.
-constexpr std::uint32_t kCullUlps = 4;
+/// Units in the last place by which the range test of pass (a) errs on the side of keeping; 5 where
+/// operations round toward zero. `ti_ist1_verdict` has the proof.
+template <class F>
+[[nodiscard]] std::uint32_t cull_ulps() {
+  return F::modes().toward_zero ? 5 : 4;
+}
 
 /// What pass (a) leaves for pass (b).
 template <class F>
@@ -80,12 +84,15 @@ template <TestKind kKind, class F>
 
   if (det.is_zero() || !det.is_finite() || !dett.is_finite()) return std::nullopt;
   if (!detail::agrees(dett, det)) return std::nullopt;
-  const bool inverse_is_normal = detail::exponent(det) <= 2 * F::kBias - 2;
-  if (inverse_is_normal && detail::is_normal(range.far) && detail::is_normal(farthest) &&
-      farthest.ulps_up(kCullUlps) < size) {
-    return std::nullopt;
+  const int top = 2 * F::kBias;  // largest exponent field of a number
+  const int det_field = static_cast<int>(detail::exponent(det));
+  bool far_counts = det_field <= top - 2 && detail::is_normal(range.far);
+  if (F::modes().toward_zero) {  // neither 1 / det nor t may end at the largest number
+    far_counts = far_counts && det_field > 0 && static_cast<int>(detail::exponent(range.far)) < top;
   }
-  if (detail::is_normal(nearest) && size.ulps_up(kCullUlps) < nearest) return std::nullopt;
+  if (far_counts && detail::is_normal(farthest) && farthest.ulps_up(cull_ulps<F>()) < size)
+    return std::nullopt;
+  if (detail::is_normal(nearest) && size.ulps_up(cull_ulps<F>()) < nearest) return std::nullopt;
   return AfterA<F>{det, dett, au * det, av};
 }
 

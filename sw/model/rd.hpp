@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "base/vec.hpp"
@@ -51,16 +52,19 @@ struct Origins {
 };
 
 /// Places by which the exponent of the farthest plane of the scene box goes down to that of the
-/// thickness of a ray: 32 u = 2^(5 - 1 - M) of that distance.
+/// thickness of a ray: 32 u of that distance, u being 2^-(M+1), or 2^-M toward zero.
 template <class F>
-constexpr std::uint32_t kThicknessPlaces = F::kFracBits > 4 ? F::kFracBits - 4 : 0;
+[[nodiscard]] std::uint32_t thickness_places() {
+  const int places = F::kFracBits - (F::modes().toward_zero ? 5 : 4);
+  return static_cast<std::uint32_t>(places > 0 ? places : 0);
+}
 
 namespace detail {
 
 /// The next number above x, or below; x is finite.
 template <class F>
 [[nodiscard]] F next_above(F x) {
-  if (x.is_zero()) return F::from_bits(1);
+  if (x.is_zero()) return F::from_bits(F::modes().flush ? std::uint32_t{1} << F::kFracBits : 1U);
   return x.signbit() ? x.ulps_down(1) : x.ulps_up(1);
 }
 template <class F>
@@ -74,9 +78,9 @@ template <class F>
 /// within the rounding errors.
 ///
 /// Bit-exact model of `ti_rd_thick`. The distance A is the largest |plane - o| of the scene box;
-/// the thickness has the fraction of A and an exponent `kThicknessPlaces` lower, at least that of
+/// the thickness has the fraction of A and an exponent `thickness_places` lower, at least that of
 /// the least normal number; each component of the origins is o -+ thickness, rounded, then moved
-/// outward by one more ulp. What that covers, in units of u A with u = 2^-(M+1): a corner as Woop's
+/// outward by one more ulp. What that covers, in units of u A: a corner as Woop's
 /// test sees it 7 (difference 1, shear 6), its way along z 3, t by weights, reciprocal and two
 /// products 8, a plane of the tree 3; 21 of 32. Where numbers are subnormal each of these is half
 /// the least of them, and the thickness 2^M of it.
@@ -89,10 +93,11 @@ template <class F>
       if (size > farthest) farthest = size;
     }
   }
-  constexpr std::uint32_t kOne = std::uint32_t{1} << F::kFracBits;  // of an exponent
-  const std::uint32_t exponent = farthest / kOne;
-  const std::uint32_t lower = exponent > kThicknessPlaces<F> ? exponent - kThicknessPlaces<F> : 1;
-  const F thickness = F::from_bits(lower * kOne + farthest % kOne);
+  const std::uint32_t one = std::uint32_t{1} << F::kFracBits;  // of an exponent
+  const std::uint32_t exponent = farthest / one;
+  const std::uint32_t places = thickness_places<F>();
+  const std::uint32_t lower = exponent > places ? exponent - places : 1;
+  const F thickness = F::from_bits(lower * one + farthest % one);
   Origins<F> origins;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const F below = detail::next_below(o[axis] - thickness);
@@ -115,8 +120,14 @@ struct Clipped {
   Shear<F> shear;  ///< of Woop's test
 };
 
-/// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward by 4
-/// ulp.
+/// Units in the last place by which the interval of a ray grows at each end: 4, which covers three
+/// roundings to nearest, or 8 where operations round toward zero. `ti_rd_clip` has the proof.
+template <class F>
+[[nodiscard]] std::uint32_t outward_ulps() {
+  return F::modes().toward_zero ? 8 : 4;
+}
+
+/// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward.
 ///
 /// Bit-exact model of `ti_rd_clip`. Slabs after Kay and Kajiya 1986; an axis whose inverse is
 /// infinite sets no bound. Near planes are measured from `origins.least`, far ones from
@@ -149,8 +160,8 @@ template <class F>
   }
   const bool behind = tmax < F{};
   out.origins = origins;
-  out.tmin = tmin.ulps_down(4);
-  out.tmax = (tmax.signbit() ? F{} : tmax).ulps_up(4);
+  out.tmin = tmin.ulps_down(outward_ulps<F>());
+  out.tmax = (tmax.signbit() ? F{} : tmax).ulps_up(outward_ulps<F>());
   const bool invalid = bad || parallel_axes == 3;
   out.status = invalid ? Status::InvalidRay : Status::Ok;
   out.miss = invalid || outside || behind || !(ray.tmin <= ray.tmax) || !(out.tmin <= out.tmax);

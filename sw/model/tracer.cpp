@@ -119,7 +119,6 @@ class TracerOf final : public Tracer {
 };
 
 struct Maker {
-  Format format;
   TreeKind tree;
   Traversal traversal;
   TestKind test;
@@ -127,8 +126,7 @@ struct Maker {
 };
 
 template <class T>
-constexpr Maker kMaker{{T::Number::kExpBits, T::Number::kFracBits},
-                       T::kTree,
+constexpr Maker kMaker{T::kTree,
                        T::kTraversal,
                        T::kTest,
                        [](const Image& image, const Tracer::Options& options) {
@@ -147,6 +145,38 @@ constexpr auto kMakers = []<std::size_t... I>(std::index_sequence<I...>) {
   return std::array{makers_of<Fp<kModelFormats[I].exp_bits, kModelFormats[I].frac_bits>,
                               model::KdTree, model::PaddedKdTree>()...};
 }(std::make_index_sequence<std::size(kModelFormats)>{});
+
+/// The one of `makers` for an image and options.
+template <std::size_t N>
+std::unique_ptr<Tracer> make(const std::array<Maker, N>& makers, const Image& image,
+                             const Tracer::Options& options) {
+  for (const Maker& maker : makers) {
+    if (maker.tree == image.header().tree && maker.traversal == options.traversal &&
+        maker.test == image.header().test) {
+      return maker.make(image, options);
+    }
+  }
+  throw Error("the model has no such tree and triangle test");  // no image passes its checks so
+}
+
+/// Traces in a format that the model is not compiled for.
+class AnyTracer final : public Tracer {
+ public:
+  AnyTracer(const Image& image, const Options& options) : rules_(image.format()) {
+    const FormatScope scope(rules_);
+    constexpr auto kAny = makers_of<AnyFp, model::KdTree, model::PaddedKdTree>();
+    tracer_ = make(kAny, image, options);
+  }
+  using Tracer::trace;
+  [[nodiscard]] HitBits trace(const Ray& ray, Work& work, const Log* log) const override {
+    const FormatScope scope(rules_);
+    return tracer_->trace(ray, work, log);
+  }
+
+ private:
+  FpRules rules_;
+  std::unique_ptr<Tracer> tracer_;
+};
 
 /// Throws `Error` for a tree that may ask for more entries than a stack has.
 void check_stack(const Image& image, int stack_depth) {
@@ -180,25 +210,10 @@ std::unique_ptr<Tracer> Tracer::create(const Image& image, const Options& option
                     options.stack_depth, model::kMaxStackDepth));
   }
   if (!options.restart) check_stack(image, options.stack_depth);
-  for (const auto& makers : kMakers) {
-    for (const Maker& maker : makers) {
-      if (maker.format == image.format() && maker.tree == image.header().tree &&
-          maker.traversal == options.traversal && maker.test == image.header().test) {
-        return maker.make(image, options);
-      }
-    }
+  for (std::size_t i = 0; i < kMakers.size(); ++i) {
+    if (kModelFormats[i] == image.format()) return make(kMakers[i], image, options);
   }
-  throw Error(
-      fmt::format("the model is not built for the number format ({},{}): use one of {}, or add it "
-                  "to `formats` in configs/schema.yaml",
-                  image.format().exp_bits, image.format().frac_bits, tracer_formats()));
-}
-
-std::string tracer_formats() {
-  std::string text;
-  for (const Format& format : kModelFormats)
-    text += fmt::format("{}({},{})", text.empty() ? "" : ", ", format.exp_bits, format.frac_bits);
-  return text;
+  return std::make_unique<AnyTracer>(image, options);
 }
 
 std::vector<HitBits> Tracer::trace(std::span<const Ray> rays, Work& work) const {

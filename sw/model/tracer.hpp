@@ -38,9 +38,10 @@ class Tracer {
     bool any_hit = true;  ///< whether an any-hit ray is traced; when not, it is invalid
   };
 
-  /// Traces on `image`, which must outlive the tracer. Throws `Error` for a format, tree or test
-  /// that the model is not built for, for a stack that it has no room for, and for a tree whose
-  /// walks may overflow the stack where no ray restarts.
+  /// Traces on `image`, which must outlive the tracer. Formats in `formats` of
+  /// configs/schema.yaml are compiled; others take some times as long. Throws `Error` for a stack
+  /// that it has no room for, and for a tree whose walks may overflow the stack where no ray
+  /// restarts.
   [[nodiscard]] static std::unique_ptr<Tracer> create(const Image& image, const Options& options);
   virtual ~Tracer() = default;
 
@@ -53,9 +54,6 @@ class Tracer {
   /// All rays on all processors, in the order of `rays`.
   [[nodiscard]] std::vector<HitBits> trace(std::span<const Ray> rays, Work& work) const;
 };
-
-/// The formats that the model is built for, as "(8,23), (7,16), ...".
-[[nodiscard]] std::string tracer_formats();
 
 /// `bits` of `format` as a hit in binary32; exact, as every format fits in it.
 [[nodiscard]] Hit hit_of(Format format, const HitBits& bits);

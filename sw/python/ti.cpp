@@ -5,7 +5,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
-#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
 #include <atomic>
@@ -26,7 +25,6 @@ using namespace nb::literals;
 
 template <typename T, typename Shape>
 using Array = nb::ndarray<const T, Shape, nb::c_contig, nb::device::cpu>;
-using Bits = std::pair<int, int>;  // of exponent and fraction
 using RayArray = Array<float, nb::shape<-1, 8>>;
 using HitArray = Array<float, nb::shape<-1, 3>>;
 using PrimArray = Array<std::int32_t, nb::shape<-1>>;
@@ -80,14 +78,31 @@ std::vector<Hit> hits_of(const HitArray& hits, const PrimArray& prims) {
   return all;
 }
 
-/// (E, M) as Python gives it.
-Format format_of(const Bits& bits) {
-  const auto [e, m] = bits;
-  if (e < 3 || e > 8 || m < 2 || m > 23) {
-    throw Error("format=(" + std::to_string(e) + ", " + std::to_string(m) +
-                "): give (E, M) of the engine, from (3, 2) to (8, 23)");
+/// (E, M) as Python gives it, with "zero" and "flush" behind it where those are the modes.
+Format format_of(const nb::tuple& given) {
+  Format format{0, 0};
+  bool known = nb::len(given) >= 2 && nb::try_cast(given[0], format.exp_bits) &&
+               nb::try_cast(given[1], format.frac_bits) && format.exp_bits >= 3 &&
+               format.exp_bits <= 8 && format.frac_bits >= 2 && format.frac_bits <= 23;
+  for (std::size_t i = 2; known && i < nb::len(given); ++i) {
+    const std::string word = nb::str(given[i]).c_str();
+    known = word == "zero" || word == "flush";
+    format.modes.toward_zero = format.modes.toward_zero || word == "zero";
+    format.modes.flush = format.modes.flush || word == "flush";
   }
-  return {e, m};
+  if (known) return format;
+  throw Error(std::string("format=") + nb::str(given).c_str() +
+              ": give (E, M) of the engine, from (3, 2) to (8, 23), and \"zero\", \"flush\" behind "
+              "it if it has them (Engine.format)");
+}
+
+nb::tuple tuple_of(const Format& format) {
+  nb::list words;
+  words.append(format.exp_bits);
+  words.append(format.frac_bits);
+  if (format.modes.toward_zero) words.append("zero");
+  if (format.modes.flush) words.append("flush");
+  return nb::tuple(words);
 }
 
 /// Each element `times` times.
@@ -148,10 +163,7 @@ class PyEngine {
     return traced;
   }
 
-  [[nodiscard]] Bits format() const {
-    const Format format = session_->options().config.format;
-    return {format.exp_bits, format.frac_bits};
-  }
+  [[nodiscard]] nb::tuple format() const { return tuple_of(session_->options().config.format); }
 
  private:
   std::atomic<bool> stop_{false};
@@ -192,7 +204,7 @@ void bind_scene(nb::module_& module) {
       .def(
           "ao_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, float radius, std::uint64_t seed, const Bits& format) {
+             int samples, float radius, std::uint64_t seed, const nb::tuple& format) {
             return array_of_rays(ao_rays(s.scene.mesh, format_of(format), rays_of(rays),
                                          hits_of(hits, prims), samples, radius, seed));
           },
@@ -203,7 +215,7 @@ void bind_scene(nb::module_& module) {
       .def(
           "diffuse_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, std::uint64_t seed, const Bits& format) {
+             int samples, std::uint64_t seed, const nb::tuple& format) {
             return array_of_rays(diffuse_rays(s.scene.mesh, format_of(format),
                                               repeated(rays_of(rays), samples),
                                               repeated(hits_of(hits, prims), samples), seed));
@@ -282,7 +294,8 @@ void bind_engine(nb::module_& module) {
           "cycles\n"
           "and bandwidth, or \"dram\".")
       .def_prop_ro("format", &PyEngine::format,
-                   "(E, M): exponent and fraction bits of its numbers.")
+                   "(E, M): exponent and fraction bits of its numbers; behind them \"zero\" and "
+                   "\"flush\" where it rounds toward zero or flushes subnormals.")
       .def("trace", &PyEngine::trace, "rays"_a, "any_hit"_a = false,
            "Traces float32 [N,8]: origin xyz, tmin, direction xyz, tmax; gives a Wave.");
 }

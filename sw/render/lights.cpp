@@ -81,7 +81,7 @@ Lights::End Lights::end_of(std::size_t i, const glm::vec3& origin, Format format
   // place of their coordinates on each axis, and so are both ends of the ray; t of the engine is
   // off by 6 units (docs/tree.md). 16 hold all of it, projected on a ray that meets the wall at an
   // angle above 15 degrees.
-  const double unit = std::ldexp(1.0, -format.frac_bits);
+  const double unit = 2.0 * format.rounding_unit();
   const double share = 16.0 * unit * (reach.x + reach.y + reach.z) / (size.x + size.y + size.z);
   return {.d = d, .tmax = static_cast<float>(1.0 - std::min(0.5, share + 8.0 * unit))};
 }

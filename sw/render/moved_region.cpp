@@ -13,7 +13,7 @@ namespace ti {
 
 namespace {
 
-constexpr int kWideBits = 6;
+constexpr double kWide = 128.0;
 
 Box box_of(const Corners& corners, double wider) {
   Box box{point_of(corners[0]), point_of(corners[0])};
@@ -37,7 +37,8 @@ struct MovedRegion::Impl {
 MovedRegion::MovedRegion(const Mesh& before, const Mesh& after, const Change& change,
                          const Box& reach, Format format)
     : impl_(std::make_unique<Impl>()) {
-  impl_->share = std::exp2(kWideBits - format.frac_bits);
+  impl_->share = kWide * format.rounding_unit();
+  const double lost = format.modes.flush ? kWide * format.least_normal() : 0.0;
   double largest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     largest = std::max({largest, std::abs(reach.lo[axis]), std::abs(reach.hi[axis])});
@@ -48,7 +49,7 @@ MovedRegion::MovedRegion(const Mesh& before, const Mesh& after, const Change& ch
       const Corners corners = mesh->corners(i);
       const bool usable =
           std::all_of(corners.begin(), corners.end(), [](const glm::vec3& c) { return finite(c); });
-      if (usable) boxes.push_back(box_of(corners, impl_->share * largest));
+      if (usable) boxes.push_back(box_of(corners, impl_->share * largest + lost));
     }
   }
   impl_->boxes = std::make_unique<EmbreeBoxes>(std::move(boxes));

@@ -13,8 +13,9 @@ namespace ti {
 /// Where something moved between two frames: the boxes of the moved triangles, where they were and
 /// where they are.
 ///
-/// Each box is wider by 2^(6 - M) of the largest coordinate that the scene reaches, far more than
-/// what an engine of M fraction bits, its rounded rays and the dilation of its tree can be off. So
+/// Each box is wider by 128 u of the largest coordinate that the scene reaches, u the largest
+/// relative error of an operation, far more than what an engine, its rounded rays and the dilation
+/// of its tree can be off; and by as many least normal numbers where subnormals are flushed. So
 /// the answer for a ray that meets no box is the same in both frames; only where the ray lies in
 /// the plane of a moved triangle, or two triangles that stand still lie within the error of t of
 /// one another, may rounding decide otherwise (Grazing and Tie of `docs/truth.md`).

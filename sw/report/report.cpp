@@ -308,7 +308,10 @@ std::string to_json(const Report& report, const Session& session) {
   json["memory"] = memory_json(options, counts);
   json["scene"] = session.scene().name;
   json["engine"] = name_of(options.engine);
-  json["format"] = {options.config.format.exp_bits, options.config.format.frac_bits};
+  const Format& format = options.config.format;
+  json["format"] = {format.exp_bits, format.frac_bits};
+  json["rounding"] = format.modes.toward_zero ? "zero" : "nearest";
+  json["subnormals"] = format.modes.flush ? "flush" : "keep";
   json["triangles"] = session.tree().triangles;
   json["tree"] = tree_json(session);
   json["image_bytes"] = session.image().bytes().size();

@@ -18,6 +18,10 @@ AimedRays::AimedRays(const Mesh& mesh, Aim aim, std::uint64_t seed)
 
 Ray AimedRays::operator()(std::uint64_t index) const {
   Random random(seed_, index);
+  if (aim_ == Aim::Uniform) {
+    const glm::dvec3 from = centre_ + 1.2 * radius_ * random.ball();
+    return {.o = glm::vec3(from), .d = glm::vec3(glm::normalize(random.ball()))};
+  }
   const std::size_t count = mesh_.triangles.size();
   const auto prim =
       std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(count)), count - 1);

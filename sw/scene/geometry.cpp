@@ -37,8 +37,9 @@ Surface surface_of(const Triangle& p, const Ray& ray, const Hit& hit) {
 
 /// How far an origin must stand off the plane of its own triangle, along the unit normal n.
 ///
-/// With r = 2^-(M+1), L the longest extent of the triangle along an axis, w the axis of the largest
-/// |n| and N = |n_u| + |n_v|, distances along n; second-order terms are in the constants.
+/// With r the largest relative error of an operation, L the longest extent of the triangle along an
+/// axis, w the axis of the largest |n| and N = |n_u| + |n_v|, distances along n; second-order terms
+/// are in the constants.
 /// - The point. Its error is at most gamma_7 sum |b_i p_i| on each axis, projected on n (Pharr,
 ///   Jakob, Humphreys, "Physically Based Rendering", 4th edition, 6.8.4), were it interpolated in
 ///   the format. In double it is 2^-29 of that and 2^-50 |p_i| for 1 - u - v. The rest covers the
@@ -53,14 +54,15 @@ Surface surface_of(const Triangle& p, const Ray& ray, const Hit& hit) {
 ///   r (4 |nu du| + 4 |nv dv| + |dw|) and that of the rounded direction the same with 1, hence
 ///   7 r N D, D the largest |d|. Such a ray meets the plane after D t = offset / (7 r N). At
 ///   three times L, so 21 r N L, it has left the triangle by more than pass (b) can be wrong.
-/// - Underflow adds less than 64 half units of the least subnormal, times 1 + L.
+/// - Underflow adds less than 64 times the largest error of a result below the least normal number,
+///   times 1 + L.
 double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal, Format format) {
-  const double r = std::ldexp(1.0, -format.frac_bits - 1);
+  const double r = format.rounding_unit();
   const double gamma = 7.0 * r / (1.0 - 7.0 * r);
   constexpr double kWeightError = 0x1p-50;  // of a double 1 - u - v, and what follows from it
   constexpr double kTest = 32.0;            // 7 + 21, and the second order
   constexpr double kUnderflow = 64.0;
-  const double least = std::ldexp(1.0, -format.bias() - format.frac_bits);
+  const double least = format.underflow_unit();
   const std::array<double, 3> weight{1.0 - hit.u - hit.v, hit.u, hit.v};
   const glm::dvec3 n = glm::abs(normal);
   glm::dvec3 error(0.0);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/format.hpp"
+#include "model/fp_rules.hpp"
 #include "scene/mesh.hpp"
 #include "scene/ray.hpp"
 #include "truth/impl.hpp"
@@ -14,10 +15,10 @@
 namespace ti::reference {
 
 /// The engine's test and acceptance by brute force, without a tree: every operation a double
-/// rounded once to the format.
+/// rounded once to the format, in its modes.
 class Engine {
  public:
-  Engine(const Mesh& mesh, Format format) : format_(format) {
+  Engine(const Mesh& mesh, Format format) : format_(format), rules_(format) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       Corners tri;
       for (int k = 0; k < 3; ++k) {
@@ -27,7 +28,7 @@ class Engine {
       auto c = test_constants(tri, format);
       if (c) {
         for (double* x : {&c->nu, &c->nv, &c->e0u, &c->e0v, &c->e1u, &c->e1v}) {
-          *x = fl(*x);
+          *x = round_to(format, *x);
         }
       }
       triangles_.push_back(c);
@@ -97,10 +98,13 @@ class Engine {
   }
 
  private:
-  [[nodiscard]] double fl(double x) const { return round_to(format_, x); }
-  [[nodiscard]] float rounded(float x) const { return static_cast<float>(fl(x)); }
+  [[nodiscard]] double fl(double x) const {
+    return format_.modes.toward_zero ? rules_.toward_zero(x, 0.0) : rules_.nearest(x);
+  }
+  [[nodiscard]] float rounded(float x) const { return static_cast<float>(round_to(format_, x)); }
 
   Format format_;
+  FpRules rules_;
   std::vector<std::optional<TestConstants>> triangles_;
 };
 

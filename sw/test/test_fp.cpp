@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "base/format.hpp"
 #include "model/fp.hpp"
@@ -19,13 +20,16 @@ namespace {
 using Wide = __int128;
 using Single = Fp<8, 23>;
 
-/// The image nearest to (-1)^negative * `value` / 2^`scale`, ties to even, found by integers alone.
-/// A value that is a little more than `value` (less than one unit) is told by `more`.
-std::uint32_t nearest(Format format, bool negative, Wide value, int scale, bool more = false) {
+/// The image of (-1)^negative * `value` / 2^`scale` in the modes of the format, found by integers
+/// alone. A value that is a little more than `value` (less than one unit) is told by `more`.
+std::uint32_t rounded(Format format, bool negative, Wide value, int scale, bool more = false) {
   const std::uint32_t sign = negative ? 1u << (format.exp_bits + format.frac_bits) : 0u;
   const std::uint32_t inf = ((1u << format.exp_bits) - 1) << format.frac_bits;
+  const std::uint32_t least = 1u << format.frac_bits;
+  const bool flush = format.modes.flush;
   // Walk from the subnormals up until the fraction fits; 2 bits below the unit tell the rounding.
-  for (int field = 1; field < (1 << format.exp_bits) - 1; ++field) {
+  // What is flushed and yet might round to the least normal number has its units at field 0.
+  for (int field = flush ? 0 : 1; field < (1 << format.exp_bits) - 1; ++field) {
     const int unit = field - format.bias() - format.frac_bits;  // log2
     const int drop = unit + scale - 2;
     Wide quarters = value;
@@ -41,11 +45,14 @@ std::uint32_t nearest(Format format, bool negative, Wide value, int scale, bool 
     const Wide units = quarters >> 2;
     if (units >= (Wide{1} << (format.frac_bits + 1))) continue;
     const int part = static_cast<int>(quarters & 3);
-    const bool up = part == 3 || (part == 2 && (rest || (units & 1) != 0));
+    const bool up =
+        !format.modes.toward_zero && (part == 3 || (part == 2 && (rest || (units & 1) != 0)));
+    const auto steps = static_cast<std::uint32_t>(units) + (up ? 1u : 0u);
+    if (field == 0) return steps == 2 * least ? sign | least : sign;
     const auto base = static_cast<std::uint32_t>(field - 1) << format.frac_bits;
-    return sign | (base + static_cast<std::uint32_t>(units) + (up ? 1u : 0u));
+    return flush && base + steps < least ? sign : sign | (base + steps);
   }
-  return sign | inf;
+  return sign | (format.modes.toward_zero ? inf - 1 : inf);
 }
 
 /// A finite value as an integer number of least subnormals.
@@ -58,36 +65,37 @@ Quanta quanta(Format format, std::uint32_t bits) {
   const auto field = static_cast<int>((bits >> format.frac_bits) & ((1u << format.exp_bits) - 1));
   Wide magnitude = bits & ((1u << format.frac_bits) - 1);
   if (field > 0) magnitude = (magnitude | (Wide{1} << format.frac_bits)) << (field - 1);
+  if (field == 0 && format.modes.flush) magnitude = 0;
   return {(bits >> (format.exp_bits + format.frac_bits)) != 0, magnitude};
 }
 
-template <int E, int M>
-void check_all_finite_pairs() {
-  constexpr Format kFormat{E, M};
-  using F = Fp<E, M>;
-  const int scale = kFormat.bias() - 1 + M;  // a quantum is 2^-scale
-  const std::uint32_t count = 1u << kFormat.width();
+/// Of `F`, which has that format.
+template <class F>
+void check_all_finite_pairs(Format format) {
+  CAPTURE(ti::name_of(format));
+  const int scale = format.bias() - 1 + format.frac_bits;  // a quantum is 2^-scale
+  const std::uint32_t count = 1u << format.width();
   int differences = 0;
   for (std::uint32_t a = 0; a < count; ++a) {
     const F x = F::from_bits(a);
     if (!x.is_finite()) continue;
-    const Quanta qa = quanta(kFormat, a);
+    const Quanta qa = quanta(format, a);
     const Wide va = qa.negative ? -qa.magnitude : qa.magnitude;
     if (va != 0) {
       const Wide one = Wide{1} << 100;
-      differences += reciprocal(x).bits() != nearest(kFormat, qa.negative, one / qa.magnitude,
+      differences += reciprocal(x).bits() != rounded(format, qa.negative, one / qa.magnitude,
                                                      100 - scale, one % qa.magnitude != 0);
     }
     for (std::uint32_t b = 0; b < count; ++b) {
       const F y = F::from_bits(b);
       if (!y.is_finite()) continue;
-      const Quanta qb = quanta(kFormat, b);
+      const Quanta qb = quanta(format, b);
       const Wide vb = qb.negative ? -qb.magnitude : qb.magnitude;
       const Wide sum = va + vb;
       const bool sum_negative = sum < 0 || (sum == 0 && qa.negative && qb.negative);
-      differences += (x + y).bits() != nearest(kFormat, sum_negative, sum < 0 ? -sum : sum, scale);
+      differences += (x + y).bits() != rounded(format, sum_negative, sum < 0 ? -sum : sum, scale);
       differences += (x - y).bits() != (x + -y).bits();
-      differences += (x * y).bits() != nearest(kFormat, qa.negative != qb.negative,
+      differences += (x * y).bits() != rounded(format, qa.negative != qb.negative,
                                                qa.magnitude * qb.magnitude, 2 * scale);
       differences += (x < y) != (va < vb);
       differences += (x <= y) != (va <= vb);
@@ -95,6 +103,18 @@ void check_all_finite_pairs() {
     }
   }
   CHECK(differences == 0);
+}
+
+/// In all modes, as a format that is compiled and as one that is known at run time.
+template <int E, int M, bool kZero = false, bool kFlush = false>
+void check_all_modes() {
+  constexpr Format kFormat{E, M, {.toward_zero = kZero, .flush = kFlush}};
+  check_all_finite_pairs<Fp<E, M, kFormat.modes>>(kFormat);
+  const ti::FpRules rules(kFormat);
+  const ti::FormatScope scope(rules);
+  check_all_finite_pairs<ti::AnyFp>(kFormat);
+  if constexpr (!kZero) check_all_modes<E, M, true, kFlush>();
+  if constexpr (!kZero && !kFlush) check_all_modes<E, M, false, true>();
 }
 
 std::uint32_t add(std::uint32_t a, std::uint32_t b) {
@@ -107,10 +127,10 @@ std::uint32_t rcp(std::uint32_t a) { return reciprocal(Single::from_bits(a)).bit
 
 }  // namespace
 
-TEST_CASE("small formats agree with integer arithmetic on every finite pair") {
-  check_all_finite_pairs<3, 2>();
-  check_all_finite_pairs<3, 4>();
-  check_all_finite_pairs<4, 3>();
+TEST_CASE("small formats agree with integer arithmetic on every finite pair in every mode") {
+  check_all_modes<3, 2>();
+  check_all_modes<3, 4>();
+  check_all_modes<4, 3>();
 }
 
 TEST_CASE("binary32 corners of the sum") {
@@ -151,6 +171,57 @@ TEST_CASE("binary32 corners of the reciprocal") {
   CHECK(rcp(0x7f7fffff) == 0x00200000);
   CHECK(rcp(0x40400000) == 0x3eaaaaab);
   CHECK(rcp(0x7fc00001) == Single::kNanBits);
+}
+
+TEST_CASE("toward zero, overflow ends at the largest number, and 1/0 is infinite") {
+  using F = Fp<8, 23, ti::Modes{.toward_zero = true}>;
+  const F largest = F::from_bits(0x7f7fffff);
+  CHECK((largest + largest).bits() == 0x7f7fffff);
+  CHECK((largest * -largest).bits() == 0xff7fffff);
+  CHECK(reciprocal(F::from_bits(0x00000001)).bits() == 0x7f7fffff);
+  CHECK(reciprocal(F::from_bits(0x80000000)).bits() == 0xff800000);
+  CHECK((F::from_bits(F::kInfBits) + largest).bits() == F::kInfBits);
+  CHECK((F::from_bits(0x3f800000) - F::from_bits(0x00000001)).bits() == 0x3f7fffff);
+  CHECK((F::from_bits(0x3f800001) * F::from_bits(0x3f800001)).bits() == 0x3f800002);
+  CHECK((F::from_double(1.0) - F::from_double(1.0)).bits() == 0);
+  CHECK(reciprocal(F::from_bits(0x40400000)).bits() == 0x3eaaaaaa);
+  CHECK(F::from_double(2.0 / 3.0).bits() == 0x3f2aaaab);  // what enters is rounded to nearest
+}
+
+TEST_CASE("flushed subnormals are zeros of their sign as operands and as results") {
+  using F = Fp<8, 23, ti::Modes{.flush = true}>;
+  const F tiny = F::from_bits(0x807fffff);
+  const F least = F::from_bits(0x00800000);
+  CHECK(tiny.is_zero());
+  CHECK(tiny == F{});
+  CHECK_FALSE(tiny < F{});
+  CHECK(tiny.bits() == 0x807fffff);
+  CHECK((tiny + tiny).bits() == 0x80000000);
+  CHECK((tiny + F{}).bits() == 0);
+  CHECK(reciprocal(tiny).bits() == 0xff800000);
+  CHECK((tiny * F::from_bits(0x7f800000)).bits() == F::kNanBits);
+  CHECK((least * F::from_bits(0x3f7fffff)).bits() == 0);
+  CHECK((F::from_bits(0x00ffffff) * F::from_bits(0x3f000000)).bits() == 0);  // 2^-126 - 2^-150
+  CHECK((F::from_bits(0x00ffffff) * F::from_bits(0x3f000001)).bits() == 0x00800000);
+  CHECK((F::from_bits(0x00800001) - least).bits() == 0);
+  CHECK(reciprocal(F::from_bits(0x7e800001)).bits() == 0);
+  CHECK(reciprocal(F::from_bits(0x7e800000)).bits() == 0x00800000);
+}
+
+TEST_CASE("what enters an engine is flushed by one rule, whoever rounds it") {
+  const double least = 0x1p-14;
+  for (const bool zero : {false, true}) {
+    const Format format{5, 10, {.toward_zero = zero, .flush = true}};
+    const ti::FpRules rules(format);
+    const ti::FormatScope scope(rules);
+    for (const auto& [share, bits] : {std::pair{1.0, 0x400u}, std::pair{1.0 - 0x1p-12, 0x400u},
+                                      std::pair{1.0 - 0x1.8p-12, 0u}, std::pair{0x1p-60, 0u}}) {
+      CHECK(round_to_bits(format, -share * least) == (bits | 0x8000u));
+      CHECK(ti::AnyFp::from_double(-share * least).bits() == (bits | 0x8000u));
+    }
+    CHECK(value_of_bits(format, 0x83ff) == 0.0);
+    CHECK(std::signbit(value_of_bits(format, 0x83ff)));
+  }
 }
 
 TEST_CASE("every image comes back from its value") {

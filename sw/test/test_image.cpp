@@ -115,8 +115,8 @@ TEST_CASE("image: the sentence names the place and the cure") {
         "a.tiim: its tree is of kind 2, this tool reads 1 (kd): build the image again by `make "
         "image`");
   CHECK(refusal(with_word(good, 16, 0x09011708)) ==
-        "a.tiim: its triangle test is of kind 9, this tool reads 1 (local): build the image again "
-        "by `make image`");
+        "a.tiim: its triangle test is of kind 9, this tool reads 1 (local), 2 (np) and 3 (woop): "
+        "build the image again by `make image`");
   CHECK(refusal({}).find("has 0 bytes") != std::string::npos);
   CHECK(refusal(with_word(good, offsetof(ImageHeader, root), parts.node_count)).find("root") !=
         std::string::npos);

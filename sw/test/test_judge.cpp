@@ -201,10 +201,13 @@ TEST_CASE("a ray almost in the plane is Grazing") {
 TEST_CASE("the bounds hold all that a format computes, and the exact result") {
   constexpr unsigned kSeed = 20260101;
   CAPTURE(kSeed);
+  constexpr Modes kZero{.toward_zero = true};
+  constexpr Modes kFlush{.flush = true};
+  constexpr Modes kBoth{.toward_zero = true, .flush = true};
   for (const Format format :
-       {kF32, Format{7, 16}, Format{5, 10}, Format{8, 10}, Format{4, 6}, Format{6, 4}}) {
-    CAPTURE(format.exp_bits);
-    CAPTURE(format.frac_bits);
+       {kF32, Format{7, 16}, Format{5, 10}, Format{8, 10}, Format{4, 6}, Format{6, 4},
+        Format{8, 23, kBoth}, Format{5, 10, kZero}, Format{5, 10, kFlush}, Format{6, 4, kBoth}}) {
+    CAPTURE(name_of(format));
     std::mt19937 rng(kSeed);
     const auto unit = [&rng] { return 2.0F * test::unit_random(rng) - 1.0F; };
     const BoundedOps ops(format);

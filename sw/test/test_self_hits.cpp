@@ -87,7 +87,7 @@ struct SelfHits {
 /// leaves.
 template <class F>
 SelfHits self_hits(const Mesh& mesh, double size, bool grazing = false) {
-  const Format format{F::kExpBits, F::kFracBits};
+  const Format format{F::kExpBits, F::kFracBits, F::modes()};
   const PreparedTriangles prepared = prepare_triangles(mesh, format, TestKind::Local);
   REQUIRE(prepared.planes.size() == kTriangles);
   std::vector<Ray> rays;
@@ -184,6 +184,16 @@ TEST_CASE("no ray meets the sliver that it leaves") {
   check_none<Fp<7, 16>>(2000.0, 0.0, 0x1p9);
   check_none<Fp<5, 10>>(2000.0, 0.0, 0x1p6);
   check_none<Fp<5, 10>>(2000.0, 0.0, 0x1p3);
+}
+
+TEST_CASE("no ray meets the triangle that it leaves where operations round toward zero, or flush") {
+  constexpr Modes kZero{.toward_zero = true};
+  constexpr Modes kBoth{.toward_zero = true, .flush = true};
+  check_none<Fp<8, 23, kBoth>>(2000.0, 1e6);
+  check_none<Fp<8, 23, kBoth>>(1.0, 1e4);
+  check_none<Fp<7, 16, kZero>>(2000.0, 0.0, 0x1p9);
+  check_none<Fp<5, 10, kBoth>>(2000.0, 0.0);
+  check_none<Fp<5, 10, kZero>>(1.0, 4.0);
 }
 
 TEST_CASE("rays leave in numbers of the engine's format") {

@@ -16,6 +16,7 @@
 #include "scene/rays.hpp"
 #include "support.hpp"
 #include "tree_walk.hpp"
+#include "truth/truth.hpp"
 
 namespace {
 
@@ -52,18 +53,38 @@ TEST_CASE("the short stack keeps the newest entries and remembers that it droppe
   }
 }
 
-TEST_CASE(
-    "the model refuses a stack that it has no room for, and formats that it is not built for") {
+TEST_CASE("the model refuses a stack that it has no room for") {
   BuildStats stats;
   const Image image = build_image(soup(10, 0.5F, 1), {}, stats);
   for (const int depth : {-1, 65, 1 << 20}) {
     test::check_error([&] { (void)Tracer::create(image, {.stack_depth = depth}); },
                       {std::to_string(depth) + " entries:", "0 to 64"});
   }
-  BuildOptions options;
-  options.format = {6, 12};
-  const Image other = build_image(soup(10, 0.5F, 1), options, stats);
-  test::check_error([&] { (void)Tracer::create(other, {}); }, {"(6,12)", "(8,23)", "(5,10)"});
+}
+
+TEST_CASE("the model takes every format in every mode, and exact arithmetic explains its hits") {
+  const Mesh mesh = soup(500, 0.2F, 4);
+  const auto rays = inside_rays(mesh, 2000, 2);
+  for (const auto& [e, m] : {std::pair{8, 23}, std::pair{6, 12}, std::pair{5, 10}}) {
+    for (const bool toward_zero : {false, true}) {
+      for (const bool flush : {false, true}) {
+        BuildOptions options;
+        options.format = {e, m, {.toward_zero = toward_zero, .flush = flush}};
+        CAPTURE(name_of(options.format));
+        BuildStats stats;
+        const Image image = build_image(mesh, options, stats);
+        CHECK(image.format() == options.format);
+        const auto tracer = Tracer::create(image, {});
+        Work work;
+        std::vector<Hit> hits;
+        for (const HitBits& bits : tracer->trace(rays, work))
+          hits.push_back(hit_of(image.format(), bits));
+        const TruthReport report = Truth(mesh, options.format).compare(rays, hits);
+        CHECK(report.unexplained == 0);
+        CHECK(report.agree > rays.size() / 2);
+      }
+    }
+  }
 }
 
 TEST_CASE(

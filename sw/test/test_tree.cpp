@@ -331,7 +331,8 @@ TEST_CASE("tree: a triangle that names a missing vertex is an error") {
 }
 
 TEST_CASE("tree: neighbours in a format are right for every value of small formats") {
-  for (const Format format : {Format{3, 2}, Format{4, 3}, Format{5, 2}}) {
+  constexpr Modes kFlush{.flush = true};
+  for (const Format format : {Format{3, 2}, Format{4, 3}, Format{5, 2}, Format{4, 3, kFlush}}) {
     const FormatGrid grid(format);
     std::vector<double> values;
     for (std::uint32_t bits = 0; bits < 1U << static_cast<unsigned>(format.width()); ++bits) {

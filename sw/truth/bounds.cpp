@@ -46,9 +46,12 @@ Point normal(const Corners& triangle) {
 }  // namespace
 
 BoundedOps::BoundedOps(Format format)
-    : u_(std::ldexp(1.0, -format.frac_bits - 1) + kDoubleUnit),
-      eta_(std::ldexp(1.0, 1 - format.bias() - format.frac_bits - 1)),
-      max_(std::ldexp(2.0 - std::ldexp(1.0, -format.frac_bits), format.bias())) {}
+    : u_(format.rounding_unit() + kDoubleUnit),
+      stored_u_(std::ldexp(1.0, -format.frac_bits - 1) + kDoubleUnit),
+      eta_(format.underflow_unit()),
+      sum_eta_(format.modes.flush ? eta_ : 0.0),
+      max_(std::ldexp(2.0 - std::ldexp(1.0, -format.frac_bits), format.bias())),
+      saturates_(format.modes.toward_zero) {}
 
 Bounded BoundedOps::ranged(Bounded a) const {
   const double reach = std::abs(a.v) + a.e;
@@ -57,14 +60,14 @@ Bounded BoundedOps::ranged(Bounded a) const {
 }
 
 Bounded BoundedOps::stored(double value) const {
-  return ranged({value, value == 0.0 ? 0.0 : u_ * std::abs(value) + eta_});
+  return ranged({value, value == 0.0 ? 0.0 : stored_u_ * std::abs(value) + eta_});
 }
 
 Bounded BoundedOps::add(Bounded a, Bounded b) const {
   const double v = a.v + b.v;
   const double e = a.e + b.e;
   const bool exact = (a.v == 0.0 && a.e == 0.0) || (b.v == 0.0 && b.e == 0.0);
-  return ranged({v, exact ? e : e + u_ * (std::abs(v) + e)});
+  return ranged({v, exact ? e : e + u_ * (std::abs(v) + e) + sum_eta_});
 }
 
 Bounded BoundedOps::mul(Bounded a, Bounded b) const {
@@ -264,7 +267,7 @@ TestBand test_band(const BoundedOps& ops, const TestConstants& tri, const Ray& r
     const bool outside = std::abs(sum.v) - sum.e > std::abs(det.v) + det.e;
     const double least_t =
         (std::abs(dett.v) - dett.e) / (std::abs(det.v) + det.e) * (1.0 - 8.0 * ops.u()) - ops.eta();
-    band.possible = !opposite && !outside && !(least_t > ops.max());
+    band.possible = !opposite && !outside && (ops.saturates() || !(least_t > ops.max()));
     band.grazing = true;
     band.t = band.u = band.v = {0.0, kInf};
     return band;
@@ -318,9 +321,10 @@ bool may_meet(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
   if (6.0 * (s0 + s1 + 1.0) * (a + 1.0) * (d + 1.0) > ops.max()) {
     return true;  // may overflow: the bounds below do not speak of that
   }
-  // Twice the first-order static bounds of numerics, and the underflow of every product.
+  // Twice the first-order static bounds of numerics, and the underflow of every product, and of
+  // every sum where that is flushed.
   const double u2 = 2.0 * ops.u();
-  const double tiny = 32.0 * ops.eta() * (1.0 + s0 + s1) * (1.0 + a) * (1.0 + d);
+  const double tiny = 64.0 * ops.eta() * (1.0 + s0 + s1) * (1.0 + a) * (1.0 + d);
   const double tol_u = 54.0 * u2 * s1 * a * d + tiny;
   const double tol_v = 54.0 * u2 * s0 * a * d + tiny;
   const double tol_w = 66.0 * u2 * (s0 + s1) * a * d + 15.0 * u2 * d + tiny;

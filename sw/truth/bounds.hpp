@@ -21,11 +21,15 @@ struct Bounded {
   [[nodiscard]] double hi() const { return v + e; }
 };
 
-/// Running error bounds of one format's operators, round to nearest even with gradual underflow.
+/// Running error bounds of one format's operators.
 ///
-/// Each result adds u = 2^-(M+1) of itself, products also half the least subnormal; second-order
-/// terms are kept, so the bounds hold for every M, and the rounding of the doubles that carry them
-/// is included. A value that may leave the range has e = inf.
+/// Each result adds u of itself, products also eta; second-order terms are kept, so the bounds hold
+/// for every M, and the rounding of the doubles that carry them is included. A value that may leave
+/// the range has e = inf.
+///
+/// u is 2^-(M+1) to nearest and 2^-M toward zero. eta is that share of the least normal number
+/// where subnormals are kept: then sums below it are exact. Where they are flushed it is the least
+/// normal number itself, and sums add it too. Constants are rounded to nearest in every mode.
 class BoundedOps {
  public:
   explicit BoundedOps(Format format);
@@ -38,12 +42,14 @@ class BoundedOps {
 
   [[nodiscard]] double u() const { return u_; }
   [[nodiscard]] double eta() const { return eta_; }
+  [[nodiscard]] bool saturates() const { return saturates_; }  ///< at the largest number
   [[nodiscard]] double max() const { return max_; }
 
  private:
   [[nodiscard]] Bounded ranged(Bounded a) const;
 
-  double u_, eta_, max_;
+  double u_, stored_u_, eta_, sum_eta_, max_;
+  bool saturates_;
 };
 
 /// The constants of a triangle for its test, in double before they are rounded: Shevtsov's (2007),

@@ -97,7 +97,10 @@ bool valid_ray(const Ray& ray, Format format) {
     if (!std::isfinite(ray.o[k]) || !std::isfinite(ray.d[k])) {
       return false;
     }
-    some_axis = some_axis || std::isfinite(round_to(format, 1.0 / double{ray.d[k]}));
+    // Toward zero only 1/0 is infinite.
+    some_axis = some_axis || (format.modes.toward_zero
+                                  ? ray.d[k] != 0.0F
+                                  : std::isfinite(round_to(format, 1.0 / double{ray.d[k]})));
   }
   return some_axis && !std::isnan(ray.tmin) && !std::isnan(ray.tmax);
 }

@@ -5,7 +5,7 @@
 
 namespace ti {
 
-/// Operators of `model/fp.hpp`: `fp_add(exp_bits, frac_bits, a, b)` and so on.
+/// Operators of `model/fp.hpp`: `fp_add(format, a, b)` and so on, and the class `Format`.
 void bind_fp(nanobind::module_& module);
 
 /// The units' arithmetic: `clip`, `split_distance`, `choose`, `ordered`, `pass_a`, `pass_b`,

@@ -12,21 +12,31 @@ namespace {
 namespace nb = nanobind;
 using Bits = std::uint32_t;
 
-/// Binds `fp_<name>(e, m, a, b)`, an operation on two values.
+/// Binds `fp_<name>(format, a, b)`, an operation on two values.
 template <typename Operation>
 void bind_binary(nb::module_& module, const char* name, Operation operation) {
   module.def(
       name,
-      [operation](int e, int m, Bits a, Bits b) {
+      [operation](const Format& format, Bits a, Bits b) {
         return in_format<FpFormats>(
-            e, m, [&]<typename F>() { return operation(F::from_bits(a), F::from_bits(b)); });
+            format, [&]<typename F>() { return operation(F::from_bits(a), F::from_bits(b)); });
       },
-      nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("a"), nb::arg("b"));
+      nb::arg("format"), nb::arg("a"), nb::arg("b"));
 }
 
 }  // namespace
 
 void bind_fp(nb::module_& module) {
+  nb::class_<Format>(module, "Format", "A number format with its modes.")
+      .def(
+          "__init__",
+          [](Format* self, int e, int m, bool toward_zero, bool flush) {
+            if (e < 3 || e > 8 || m < 2 || m > 23) throw nb::value_error("from (3, 2) to (8, 23)");
+            new (self) Format{e, m, {.toward_zero = toward_zero, .flush = flush}};
+          },
+          nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("toward_zero") = false,
+          nb::arg("flush") = false)
+      .def("__repr__", &name_of);
   bind_binary(module, "fp_add", [](auto a, auto b) { return (a + b).bits(); });
   bind_binary(module, "fp_sub", [](auto a, auto b) { return (a - b).bits(); });
   bind_binary(module, "fp_mul", [](auto a, auto b) { return (a * b).bits(); });
@@ -35,36 +45,36 @@ void bind_fp(nb::module_& module) {
   bind_binary(module, "fp_eq", [](auto a, auto b) { return a == b; });
   module.def(
       "fp_rcp",
-      [](int e, int m, Bits a) {
+      [](const Format& format, Bits a) {
         return in_format<FpFormats>(
-            e, m, [&]<typename F>() { return reciprocal(F::from_bits(a)).bits(); });
+            format, [&]<typename F>() { return reciprocal(F::from_bits(a)).bits(); });
       },
-      nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("a"));
+      nb::arg("format"), nb::arg("a"));
   module.def(
       "fp_ulps_up",
-      [](int e, int m, Bits a, std::uint32_t n) {
+      [](const Format& format, Bits a, std::uint32_t n) {
         return in_format<FpFormats>(
-            e, m, [&]<typename F>() { return F::from_bits(a).ulps_up(n).bits(); });
+            format, [&]<typename F>() { return F::from_bits(a).ulps_up(n).bits(); });
       },
-      nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("a"), nb::arg("n"));
+      nb::arg("format"), nb::arg("a"), nb::arg("n"));
   module.def(
       "fp_ulps_down",
-      [](int e, int m, Bits a, std::uint32_t n) {
+      [](const Format& format, Bits a, std::uint32_t n) {
         return in_format<FpFormats>(
-            e, m, [&]<typename F>() { return F::from_bits(a).ulps_down(n).bits(); });
+            format, [&]<typename F>() { return F::from_bits(a).ulps_down(n).bits(); });
       },
-      nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("a"), nb::arg("n"));
+      nb::arg("format"), nb::arg("a"), nb::arg("n"));
   module.def(
       "fp_from_double",
-      [](int e, int m, double value) {
-        return in_format<FpFormats>(e, m,
+      [](const Format& format, double value) {
+        return in_format<FpFormats>(format,
                                     [&]<typename F>() { return F::from_double(value).bits(); });
       },
-      nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("value"),
+      nb::arg("format"), nb::arg("value"),
       "Bits of the value of the format nearest to a float, ties to even.");
   module.def(
-      "fp_to_double", [](int e, int m, Bits a) { return value_of_bits(Format{e, m}, a); },
-      nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("a"));
+      "fp_to_double", [](const Format& format, Bits a) { return value_of_bits(format, a); },
+      nb::arg("format"), nb::arg("a"));
 }
 
 }  // namespace ti

@@ -37,7 +37,7 @@ TestKind test_of(const std::string& name) {
 }
 
 /// The image of triangles that share no vertex; triangle i is primitive i.
-std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangles,
+std::unique_ptr<Image> build(const Format& format, const std::vector<Triangle>& triangles,
                              const std::string& test) {
   Mesh mesh;
   for (const Triangle& triangle : triangles) {
@@ -46,7 +46,7 @@ std::unique_ptr<Image> build(int e, int m, const std::vector<Triangle>& triangle
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
   BuildOptions options;
-  options.format = {e, m};
+  options.format = format;
   options.test = test_of(test);
   BuildStats stats;
   return std::make_unique<Image>(build_image(mesh, options, stats));
@@ -76,7 +76,7 @@ Traced trace(const Tracer& tracer, const Corner& o, const Corner& d, float tmin,
 
 void bind_image(nb::module_& module) {
   nb::class_<Image>(module, "Image", "A memory image; offsets count bytes from its start.")
-      .def_static("build", &build, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("triangles"),
+      .def_static("build", &build, nb::arg("format"), nb::arg("triangles"),
                   nb::arg("test") = "local",
                   "Tree and image of triangles, each ((x, y, z), (x, y, z), (x, y, z)).")
       .def_prop_ro(
@@ -138,8 +138,8 @@ void bind_tracer(nb::module_& module) {
 
 void bind_scene(nb::module_& module) {
   module.def(
-      "corner_bytes", [](int e, int m) { return corner_bytes({e, m}); }, nb::arg("exp_bits"),
-      nb::arg("frac_bits"), "Bytes of a packed record of Woop's test.");
+      "corner_bytes", [](const Format& format) { return corner_bytes(format); },
+      nb::arg("format"), "Bytes of a packed record of Woop's test.");
   bind_image(module);
   bind_tracer(module);
 }

@@ -39,10 +39,10 @@ Bits3 bits_of(const Vec3<F>& v) {
   return {v[0].bits(), v[1].bits(), v[2].bits()};
 }
 
-std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(int e, int m, const Bits3& lo, const Bits3& hi,
+std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(const Format& format, const Bits3& lo, const Bits3& hi,
                                                   const Bits3& o, const Bits3& d, Bits tmin,
                                                   Bits tmax, bool padded) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     const model::FpRay<F> ray{vec<F>(o), vec<F>(d), F::from_bits(tmin), F::from_bits(tmax)};
     const model::Box<F> box{vec<F>(lo), vec<F>(hi)};
     const auto origins =
@@ -53,27 +53,27 @@ std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(int e, int m, const Bits3& lo,
   });
 }
 
-std::tuple<Bits3, Bits3> thick_origins(int e, int m, const Bits3& lo, const Bits3& hi,
+std::tuple<Bits3, Bits3> thick_origins(const Format& format, const Bits3& lo, const Bits3& hi,
                                        const Bits3& o, const Bits3& d) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     const auto origins =
         model::thick_origins(model::Box<F>{vec<F>(lo), vec<F>(hi)}, vec<F>(o), vec<F>(d));
     return std::tuple{bits_of(origins.least), bits_of(origins.most)};
   });
 }
 
-std::tuple<int, Bits3> shear(int e, int m, const Bits3& d, const Bits3& inv) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+std::tuple<int, Bits3> shear(const Format& format, const Bits3& d, const Bits3& inv) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     const auto made = model::shear_of(vec<F>(d), vec<F>(inv));
     return std::tuple{static_cast<int>(made.z), bits_of(Vec3<F>{made.sx, made.sy, made.sz})};
   });
 }
 
-std::optional<std::tuple<Bits3, Bits3>> edge_functions(int e, int m,
+std::optional<std::tuple<Bits3, Bits3>> edge_functions(const Format& format,
                                                        const std::array<Bits3, 3>& corners,
                                                        const Bits3& o, int z, const Bits3& shear) {
   using Result = std::optional<std::tuple<Bits3, Bits3>>;
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> Result {
     const auto [sx, sy, sz] = vec<F>(shear);
     const auto edges =
         model::edge_functions<F>({vec<F>(corners[0]), vec<F>(corners[1]), vec<F>(corners[2])},
@@ -83,24 +83,24 @@ std::optional<std::tuple<Bits3, Bits3>> edge_functions(int e, int m,
   });
 }
 
-std::optional<std::tuple<Bits, Bits, Bits>> woop_pass_c(int e, int m, const Bits3& weight,
+std::optional<std::tuple<Bits, Bits, Bits>> woop_pass_c(const Format& format, const Bits3& weight,
                                                         const Bits3& z, Bits sz) {
   using Result = std::optional<std::tuple<Bits, Bits, Bits>>;
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> Result {
     const auto c = model::pass_c(model::Edges<F>{vec<F>(weight), vec<F>(z)}, F::from_bits(sz));
     if (!c) return std::nullopt;
     return std::tuple{c->t.bits(), c->u.bits(), c->v.bits()};
   });
 }
 
-Bits split_distance(int e, int m, Bits value, Bits link, const Bits3& o, const Bits3& inv) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+Bits split_distance(const Format& format, Bits value, Bits link, const Bits3& o, const Bits3& inv) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     return model::split_distance(ImageNode{value, link}, vec<F>(o), vec<F>(inv)).bits();
   });
 }
 
-int choose(int e, int m, Bits t, Bits tmin, Bits tmax) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() {
+int choose(const Format& format, Bits t, Bits tmin, Bits tmax) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
     return static_cast<int>(model::choose(F::from_bits(t), F::from_bits(tmin), F::from_bits(tmax)));
   });
 }
@@ -110,9 +110,9 @@ std::tuple<Bits, Bits> ordered(Bits link, Bits index, bool negative) {
   return {children.near, children.far};
 }
 
-std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, const Bits3& d,
+std::optional<Bits4> pass_a(const Format& format, const Plane& plane, const Bits3& o, const Bits3& d,
                             Bits tnear, Bits tfar, bool as_published) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> std::optional<Bits4> {
     const model::TestRange<F> range{F::from_bits(tnear), F::from_bits(tfar)};
     const auto a =
         as_published ? model::pass_a<TestKind::Np>(plane_of(plane), vec<F>(o), vec<F>(d), range)
@@ -122,9 +122,9 @@ std::optional<Bits4> pass_a(int e, int m, const Plane& plane, const Bits3& o, co
   });
 }
 
-std::optional<Bits4> pass_b(int e, int m, const Plane& plane, const Bary& bary, const Bits3& d,
-                            const Bits4& after_a) {
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> std::optional<Bits4> {
+std::optional<Bits4> pass_b(const Format& format, const Plane& plane, const Bary& bary,
+                            const Bits3& d, const Bits4& after_a) {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> std::optional<Bits4> {
     const auto [det, dett, audet, av] = after_a;
     const model::AfterA<F> a{F::from_bits(det), F::from_bits(dett), F::from_bits(audet),
                              F::from_bits(av)};
@@ -135,9 +135,9 @@ std::optional<Bits4> pass_b(int e, int m, const Plane& plane, const Bary& bary, 
   });
 }
 
-std::optional<std::tuple<Bits, Bits, Bits>> pass_c(int e, int m, const Bits4& after_b) {
+std::optional<std::tuple<Bits, Bits, Bits>> pass_c(const Format& format, const Bits4& after_b) {
   using Result = std::optional<std::tuple<Bits, Bits, Bits>>;
-  return in_format<UnitFormats>(e, m, [&]<typename F>() -> Result {
+  return in_format<UnitFormats>(format, [&]<typename F>() -> Result {
     const auto [det, dett, detu, detv] = after_b;
     const auto c = model::pass_c(model::AfterB<F>{F::from_bits(det), F::from_bits(dett),
                                                   F::from_bits(detu), F::from_bits(detv)});
@@ -149,34 +149,33 @@ std::optional<std::tuple<Bits, Bits, Bits>> pass_c(int e, int m, const Bits4& af
 }  // namespace
 
 void bind_units(nb::module_& module) {
-  module.def("clip", &clip_ray, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("box_lo"),
+  module.def("clip", &clip_ray, nb::arg("format"), nb::arg("box_lo"),
              nb::arg("box_hi"), nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
              nb::arg("padded") = false, "Set-up of a ray: (miss, status, inv, tmin, tmax).");
-  module.def("thick_origins", &thick_origins, nb::arg("exp_bits"), nb::arg("frac_bits"),
+  module.def("thick_origins", &thick_origins, nb::arg("format"),
              nb::arg("box_lo"), nb::arg("box_hi"), nb::arg("o"), nb::arg("d"),
              "(least, most): the origins of a thick ray.");
-  module.def("shear", &shear, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("d"),
+  module.def("shear", &shear, nb::arg("format"), nb::arg("d"),
              nb::arg("inv"), "(z, (sx, sy, sz)) of Woop's test.");
-  module.def("edge_functions", &edge_functions, nb::arg("exp_bits"), nb::arg("frac_bits"),
+  module.def("edge_functions", &edge_functions, nb::arg("format"),
              nb::arg("corners"), nb::arg("o"), nb::arg("z"), nb::arg("shear"),
              "(weights, ways along z) of the corners, or None when the ray passes outside.");
-  module.def("woop_pass_c", &woop_pass_c, nb::arg("exp_bits"), nb::arg("frac_bits"),
+  module.def("woop_pass_c", &woop_pass_c, nb::arg("format"),
              nb::arg("weight"), nb::arg("z"), nb::arg("sz"),
              "(t, u, v), or None when t is not finite or less than 0.");
-  module.def("split_distance", &split_distance, nb::arg("exp_bits"), nb::arg("frac_bits"),
+  module.def("split_distance", &split_distance, nb::arg("format"),
              nb::arg("value"), nb::arg("link"), nb::arg("o"), nb::arg("inv"));
-  module.def("choose", &choose, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("t"),
+  module.def("choose", &choose, nb::arg("format"), nb::arg("t"),
              nb::arg("tmin"), nb::arg("tmax"), "0: near only, 1: far only, 2: both.");
   module.def("ordered", &ordered, nb::arg("link"), nb::arg("index"), nb::arg("negative"),
              "(near, far) of the inner node at `index`.");
-  module.def("pass_a", &pass_a, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
+  module.def("pass_a", &pass_a, nb::arg("format"), nb::arg("plane"),
              nb::arg("o"), nb::arg("d"), nb::arg("tnear"), nb::arg("tfar"),
              nb::arg("as_published") = false,
              "(det, dett, audet, av), or None when the test is over.");
-  module.def("pass_b", &pass_b, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("plane"),
-             nb::arg("bary"), nb::arg("d"), nb::arg("after_a"),
-             "(det, dett, detu, detv), or None when the test is over.");
-  module.def("pass_c", &pass_c, nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("after_b"),
+  module.def("pass_b", &pass_b, nb::arg("format"), nb::arg("plane"), nb::arg("bary"), nb::arg("d"),
+             nb::arg("after_a"), "(det, dett, detu, detv), or None when the test is over.");
+  module.def("pass_c", &pass_c, nb::arg("format"), nb::arg("after_b"),
              "(t, u, v), or None when t is not finite.");
 }
 

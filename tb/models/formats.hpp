@@ -3,28 +3,27 @@
 
 #include <nanobind/nanobind.h>
 
-#include <string>
 #include <tuple>
 
 #include "model/fp.hpp"
 
 namespace ti {
 
-/// The formats that the tests of the operators name.
+/// The formats that the tests of the operators name, in their default modes.
 using FpFormats =
     std::tuple<Fp<8, 23>, Fp<7, 16>, Fp<5, 10>, Fp<5, 4>, Fp<4, 3>, Fp<3, 4>, Fp<3, 2>>;
 
-/// The formats that the tests of the units name.
+/// The formats that the tests of the units name, in their default modes.
 using UnitFormats = std::tuple<Fp<8, 23>, Fp<7, 16>, Fp<5, 10>>;
 
-/// `operation.template operator()<Fp<e, m>>()`; a Python ValueError for a format not in `Formats`.
+/// `operation.template operator()<F>()`, F a number of `format`: compiled for those of `Formats`.
 template <typename Formats, typename Operation>
-auto in_format(int e, int m, Operation operation) {
-  using Result = decltype(operation.template operator()<Fp<8, 23>>());
+auto in_format(const Format& format, Operation operation) {
+  using Result = decltype(operation.template operator()<AnyFp>());
   Result result{};
   bool found = false;
   const auto attempt = [&]<typename F>() {
-    if (F::kExpBits == e && F::kFracBits == m) {
+    if (Format{F::kExpBits, F::kFracBits, F::modes()} == format) {
       result = operation.template operator()<F>();
       found = true;
     }
@@ -32,11 +31,10 @@ auto in_format(int e, int m, Operation operation) {
   [&]<typename... F>(std::tuple<F...>*) {
     (attempt.template operator()<F>(), ...);
   }(static_cast<Formats*>(nullptr));
-  if (!found) {
-    const std::string name = "(" + std::to_string(e) + "," + std::to_string(m) + ")";
-    throw nanobind::value_error((name + ": no such format in tb/models/formats.hpp").c_str());
-  }
-  return result;
+  if (found) return result;
+  const FpRules rules(format);
+  const FormatScope scope(rules);
+  return operation.template operator()<AnyFp>();
 }
 
 }  // namespace ti

@@ -13,12 +13,15 @@ _WIDE = gmpy2.context(precision=64)
 class Oracle:
     """A format with its operations on images (integers of `width` bits).
 
-    IEEE 754, round to nearest even, subnormals kept, every NaN result the quiet NaN with sign 0 and
-    fraction 10...0: the written rule of `rtl/fp`.
+    IEEE 754, round to nearest even or toward zero, every NaN result the quiet NaN with sign 0 and
+    fraction 10...0; subnormals kept, or zeros of their sign as operands and, after rounding as if
+    exponents had no end, as results: the written rule of `rtl/fp`.
     """
 
     exp_bits: int
     frac_bits: int
+    toward_zero: bool = False
+    flush: bool = False
 
     @property
     def width(self):
@@ -41,14 +44,18 @@ class Oracle:
     def sign(self):
         return 1 << (self.width - 1)
 
+    @property
+    def least_normal(self):
+        return 2.0 ** (1 - self.bias)
+
     @cached_property
     def context(self):
         return gmpy2.context(
             precision=self.frac_bits + 1,
             emax=self.bias + 1,
-            emin=2 - self.bias - self.frac_bits,
-            subnormalize=True,
-            round=gmpy2.RoundToNearest,
+            emin=-4096 if self.flush else 2 - self.bias - self.frac_bits,
+            subnormalize=not self.flush,
+            round=gmpy2.RoundToZero if self.toward_zero else gmpy2.RoundToNearest,
         )
 
     def value(self, bits):
@@ -61,19 +68,21 @@ class Oracle:
         field, fraction = magnitude >> self.frac_bits, magnitude & ((1 << self.frac_bits) - 1)
         if field:
             fraction |= 1 << self.frac_bits
+        elif self.flush:
+            fraction = 0
         exponent = max(field, 1) - self.bias - self.frac_bits
         result = _WIDE.mul_2exp(gmpy2.mpfr(fraction, 64), exponent + 1024)
         result = _WIDE.div_2exp(result, 1024)
         return -result if negative else result
 
     def bits(self, value):
-        """The image of a number of the format."""
+        """The image of a number of the format, or of one that is flushed."""
         if gmpy2.is_nan(value):
             return self.nan
         sign = self.sign if gmpy2.is_signed(value) else 0
         if gmpy2.is_infinite(value):
             return sign | self.inf
-        if gmpy2.is_zero(value):
+        if gmpy2.is_zero(value) or (self.flush and abs(value) < self.least_normal):
             return sign
         numerator, denominator = abs(value).as_integer_ratio()
         # value = m / 2^k: the unit of the last place is 2^(max(e, 1 - bias) - M).

@@ -9,33 +9,40 @@ from models.payload import payloads
 
 
 class Numbers:
-    """Images of a format (exponent bits, fraction bits), and the model's functions on it."""
+    """Images of a format with its modes, and the model's functions on it."""
 
-    def __init__(self, exp_bits, frac_bits):
-        self.oracle = Oracle(exp_bits, frac_bits)
+    def __init__(self, exp_bits, frac_bits, toward_zero=False, flush=False):
+        self.oracle = Oracle(exp_bits, frac_bits, toward_zero, flush)
         self.inf, self.nan, self.sign = self.oracle.inf, self.oracle.nan, self.oracle.sign
         self.width, self.bias, self.frac_bits = self.oracle.width, self.oracle.bias, frac_bits
         self.one = self.bias << frac_bits
-        self.specials = self.oracle.specials()
-        self._format = (exp_bits, frac_bits)
+        self.specials = [self.entering(bits) for bits in self.oracle.specials()]
+        self.format = ti_model.Format(exp_bits, frac_bits, toward_zero, flush)
 
     def of(self, value):
         """Bits of the number nearest to a float."""
-        return ti_model.fp_from_double(*self._format, value)
+        return ti_model.fp_from_double(self.format, value)
 
     def vec(self, values):
         return tuple(self.of(value) for value in values)
 
     def float(self, bits):
-        return ti_model.fp_to_double(*self._format, bits)
+        return ti_model.fp_to_double(self.format, bits)
 
     def model(self, name, *arguments):
         """`ti_model.<name>` in this format."""
-        return getattr(ti_model, name)(*self._format, *arguments)
+        return getattr(ti_model, name)(self.format, *arguments)
 
     def any(self, rng):
-        """Any bits; every third a special number."""
-        return rng.choice(self.specials) if rng.random() < 1 / 3 else rng.getrandbits(self.width)
+        """Any number that enters an engine; every third a special one."""
+        if rng.random() < 1 / 3:
+            return rng.choice(self.specials)
+        return self.entering(rng.getrandbits(self.width))
+
+    def entering(self, bits):
+        """What programs make of bits that enter an engine: zero of what would be flushed."""
+        tiny = bits & (self.sign - 1) < 1 << self.frac_bits
+        return bits & self.sign if self.oracle.flush and tiny else bits
 
     def any_vec(self, rng):
         return tuple(self.any(rng) for _ in range(3))

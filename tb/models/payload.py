@@ -53,8 +53,8 @@ class Payloads:
 
     @property
     def format(self):
-        """(exponent bits, fraction bits)."""
-        return self._constants["ExpBits"], self._constants["FracBits"]
+        """(exponent bits, fraction bits, whether toward zero, whether flushed)."""
+        return tuple(self._constants[k] for k in ("ExpBits", "FracBits", "TowardZero", "Flush"))
 
     def width(self, name):
         return _width(self._types[name])

@@ -26,7 +26,7 @@ class Scene:
     def __init__(self, triangles):
         self.triangles = triangles
         self.test_kind = configuration()["triangle_test"]
-        self.image = ti_model.Image.build(*payloads().format, triangles, self.test_kind)
+        self.image = ti_model.Image.build(numbers().format, triangles, self.test_kind)
         self.bytes = self.image.bytes
         self.root = self.image.root
         self.node_base = BASE + self.image.node_offset
@@ -39,7 +39,7 @@ class Scene:
         self.ids = [r[0] for r in self._records(self.image.list_offset, self.image.list_count, 1)]
         self.count = count
         if self.test_kind == "woop":
-            size = ti_model.corner_bytes(*payloads().format)
+            size = ti_model.corner_bytes(numbers().format)
             self.parts = [(self.plane_base, size, count)]
             self.corners = [self._corners(i, size) for i in range(count)]
         else:

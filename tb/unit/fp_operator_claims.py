@@ -5,6 +5,7 @@ One a cycle, with and without bubbles.  Run by the test file of each.
 """
 
 import cocotb
+import pytest
 from agents.bench import start
 from agents.fixed_latency import replay
 from cocotb.triggers import ReadOnly, RisingEdge
@@ -12,7 +13,17 @@ from models.fp_oracle import Oracle
 
 
 def oracle_of(dut):
-    return Oracle(int(dut.ExpBits.value), int(dut.FracBits.value))
+    parameters = (dut.ExpBits, dut.FracBits, dut.TowardZero, dut.Flush)
+    exp_bits, frac_bits, *modes = (int(parameter.value) for parameter in parameters)
+    return Oracle(exp_bits, frac_bits, *map(bool, modes))
+
+
+# A format for each way to round and to be near zero, other than by default.
+MODES = [
+    pytest.param({"ExpBits": 7, "FracBits": 16, "TowardZero": 1}, id="zero"),
+    pytest.param({"ExpBits": 3, "FracBits": 2, "Flush": 1}, id="flush"),
+    pytest.param({"ExpBits": 8, "FracBits": 23, "TowardZero": 1, "Flush": 1}, id="zero-flush"),
+]
 
 
 def sums(oracle, rng, count):

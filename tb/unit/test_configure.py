@@ -109,16 +109,22 @@ def test_an_adder_deeper_than_the_reciprocal_is_named(tmp_path):
     refused(script("tiny", *values, "--out", out), out, sentence)
 
 
-def test_a_format_without_a_model_is_refused_but_for_units(tmp_path):
-    out = tmp_path / "config"
-    for place in ("--out", "--build"):
-        result = script("tiny", "exp_bits=4", place, out)
-        refused(result, out, "tiny.yaml", "(4,23)", "(8,23), (8,20)", "configs/schema.yaml")
-    for exp_bits, frac_bits in SCHEMA.formats:
-        keys = [f"exp_bits={exp_bits}", f"frac_bits={frac_bits}"]
-        assert script("tiny", *keys, "--out", tmp_path / "model").returncode == 0
-    assert script("tiny", "exp_bits=4", "--any-format", "--out", out).returncode == 0
-    assert configure.configure("tiny", ["exp_bits=4"], out)["exp_bits"] == 4
+@pytest.mark.parametrize("pair", [*SCHEMA.formats, (3, 2), (3, 23), (8, 2)], ids=str)
+@pytest.mark.parametrize("modes", [[], ["rounding=zero", "subnormals=flush"]], ids=str)
+def test_every_format_is_taken_in_every_mode(pair, modes):
+    keys = [f"exp_bits={pair[0]}", f"frac_bits={pair[1]}", "fp_add_stages=4", *modes]
+    values = configure.load("tiny", keys).values
+    assert (values["exp_bits"], values["frac_bits"]) == pair
+
+
+def test_the_guard_of_an_interval_follows_the_rounding_unless_it_is_given(tmp_path):
+    def guard(*overrides, file="tiny"):
+        return configure.load(file, list(overrides)).values["interval_guard"]
+
+    (tmp_path / "one.yaml").write_text("interval_guard: 1\n")
+    assert (guard(), guard("rounding=zero")) == (4, 8)
+    assert guard("rounding=zero", "interval_guard=4") == 4
+    assert guard("rounding=zero", file=tmp_path / "one.yaml") == 1
 
 
 @pytest.mark.parametrize("override", ["num_trv", "num_trv=", "=1"])

@@ -18,9 +18,10 @@ SMALL = 10  # bits of a format of which every value is tried
 
 def classes(oracle, bits):
     """(zero, finite, normal, nan) of the value that the model and MPFR give."""
-    value = ti_model.fp_to_double(oracle.exp_bits, oracle.frac_bits, bits)
+    number_format = ti_model.Format(oracle.exp_bits, oracle.frac_bits, flush=oracle.flush)
+    value = ti_model.fp_to_double(number_format, bits)
     exact = oracle.value(bits)
-    least_normal = 2.0 ** (1 - oracle.bias)
+    least_normal = oracle.least_normal
     model = (
         value == 0,
         math.isfinite(value),
@@ -41,7 +42,8 @@ def classes(oracle, bits):
 async def tells_the_class_of_every_number(dut):
     """All values of a small format; of others special ones, those beside them, random ones."""
     rng = random.Random(cocotb.RANDOM_SEED)
-    oracle = Oracle(int(dut.ExpBits.value), int(dut.FracBits.value))
+    flush = dut.Flush.value == 1
+    oracle = Oracle(int(dut.ExpBits.value), int(dut.FracBits.value), flush=flush)
     if oracle.width <= SMALL:
         numbers = range(1 << oracle.width)
     else:
@@ -56,9 +58,13 @@ async def tells_the_class_of_every_number(dut):
         assert got == classes(oracle, bits), f"x_i={bits:#x}: {got}"
         seen.add(got)
 
-    assert len(seen) == 5  # zero, subnormal, normal, infinite, NaN
+    assert len(seen) == 5 - flush  # zero, subnormal, normal, infinite, NaN
 
 
 @pytest.mark.parametrize(("exp_bits", "frac_bits"), FORMATS)
 def test_ti_fp_class(exp_bits, frac_bits):
     run("ti_fp_class", "test_ti_fp_class", ExpBits=exp_bits, FracBits=frac_bits)
+
+
+def test_ti_fp_class_where_subnormals_are_zeros():
+    run("ti_fp_class", "test_ti_fp_class", ExpBits=5, FracBits=4, Flush=1)

@@ -15,7 +15,8 @@ FORMATS = [(3, 2), (7, 16), (8, 23)]
 @cocotb.test()
 async def orders_every_pair_as_mpfr_does(dut):
     rng = random.Random(cocotb.RANDOM_SEED)
-    oracle = Oracle(int(dut.ExpBits.value), int(dut.FracBits.value))
+    flush = dut.Flush.value == 1
+    oracle = Oracle(int(dut.ExpBits.value), int(dut.FracBits.value), flush=flush)
 
     for a, b in oracle.pairs(rng, 3000):
         dut.a_i.value = a
@@ -30,3 +31,7 @@ async def orders_every_pair_as_mpfr_does(dut):
 @pytest.mark.parametrize(("exp_bits", "frac_bits"), FORMATS)
 def test_ti_fp_cmp(exp_bits, frac_bits):
     run("ti_fp_cmp", "test_ti_fp_cmp", ExpBits=exp_bits, FracBits=frac_bits)
+
+
+def test_ti_fp_cmp_where_subnormals_are_zeros():
+    run("ti_fp_cmp", "test_ti_fp_cmp", ExpBits=7, FracBits=16, Flush=1)

@@ -3,6 +3,7 @@
 
 import pytest
 from agents.bench import run
+from fp_operator_claims import MODES
 
 FORMATS = [(3, 2), (7, 16), (8, 23)]
 
@@ -19,3 +20,8 @@ def test_ti_fp_mul(exp_bits, frac_bits, stages):
         FracBits=frac_bits,
         Stages=stages,
     )
+
+
+@pytest.mark.parametrize("modes", MODES)
+def test_ti_fp_mul_in_other_modes(modes):
+    run("ti_fp_mul", "fp_operator_claims", Stages=4, **modes)

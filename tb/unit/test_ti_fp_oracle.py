@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The MPFR oracle of the operators agrees with Berkeley SoftFloat where that has the format."""
+"""The MPFR oracle of the operators agrees with Berkeley SoftFloat and, in every mode, the model."""
 
 import random
 
 import pytest
+import ti_model
 from models.fp_oracle import Oracle
 
 softfloat = pytest.importorskip("softfloatpy")
+
+# In all modes; those that the bindings of the model compile in the default ones, and others.
+FORMATS = [(3, 2), (7, 16), (8, 23), (6, 12), (3, 23), (8, 2)]
 
 SEED = 1
 
@@ -40,3 +44,18 @@ def test_binary32():
 
 def test_binary16():
     check(Oracle(5, 10), softfloat.Float16, 5000)
+
+
+@pytest.mark.parametrize("flush", [False, True], ids=["keep", "flush"])
+@pytest.mark.parametrize("toward_zero", [False, True], ids=["nearest", "zero"])
+@pytest.mark.parametrize(("exp_bits", "frac_bits"), FORMATS)
+def test_the_model_in_every_mode(exp_bits, frac_bits, toward_zero, flush):
+    oracle = Oracle(exp_bits, frac_bits, toward_zero, flush)
+    number_format = ti_model.Format(exp_bits, frac_bits, toward_zero, flush)
+    for a, b in oracle.pairs(random.Random(SEED), 3000):
+        for name in ("add", "sub", "mul", "lt", "le", "eq"):
+            want = getattr(oracle, name)(a, b)
+            got = int(getattr(ti_model, f"fp_{name}")(number_format, a, b))
+            assert got == want, f"{number_format} {name} {a:x} {b:x}: MPFR {want:x}, model {got:x}"
+        want, got = oracle.rcp(a), ti_model.fp_rcp(number_format, a)
+        assert got == want, f"{number_format} rcp {a:x}: MPFR {want:x}, model {got:x}"

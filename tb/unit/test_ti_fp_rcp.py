@@ -3,6 +3,7 @@
 
 import pytest
 from agents.bench import run
+from fp_operator_claims import MODES
 
 FORMATS = [(3, 2), (7, 16), (8, 23)]
 
@@ -24,3 +25,8 @@ def test_ti_fp_rcp(exp_bits, frac_bits, bits_per_stage, end_stages):
 
 def test_ti_fp_rcp_with_one_bit_a_stage():
     run("ti_fp_rcp", "fp_operator_claims", ExpBits=7, FracBits=16, BitsPerStage=1)
+
+
+@pytest.mark.parametrize("modes", MODES)
+def test_ti_fp_rcp_in_other_modes(modes):
+    run("ti_fp_rcp", "fp_operator_claims", EndStages=3, **modes)

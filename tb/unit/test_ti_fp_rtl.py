@@ -17,20 +17,22 @@ KEYS = ("fp_add_stages", "fp_mul_stages", "fp_rcp_bits_per_stage", "fp_rcp_end_s
 PAPER = configure.load("paper").values
 # The first stages are those of the configuration `paper`; 7 and 5 are the most.
 DEEPER = [tuple(PAPER[key] for key in KEYS), (7, 4, 1, 4), (6, 5, 3, 4)]
+MODES = {"zero": "rounding=zero", "flush": "subnormals=flush"}
 SEED = 1
 
 
-def build(exp_bits, frac_bits, stages=()):
+def build(exp_bits, frac_bits, stages=(), modes=()):
     """The finished build of the bench of a format, and the path of its program."""
-    out = ROOT / "build" / "fp" / "-".join(map(str, [exp_bits, frac_bits, *stages]))
+    out = ROOT / "build" / "fp" / "-".join(map(str, [exp_bits, frac_bits, *stages, *modes]))
     keys = [f"{key}={value}" for key, value in zip(KEYS, stages, strict=False)]
+    keys += [MODES[mode] for mode in modes]
     command = [ROOT / "scripts/build_fp_rtl.sh", str(exp_bits), str(frac_bits), out, *keys]
     made = subprocess.run(command, capture_output=True, text=True, check=False)
     return made, out / "fp_rtl"
 
 
-def bench(exp_bits, frac_bits, *arguments, stages=()):
-    made, program = build(exp_bits, frac_bits, stages)
+def bench(exp_bits, frac_bits, *arguments, stages=(), modes=()):
+    made, program = build(exp_bits, frac_bits, stages, modes)
     assert made.returncode == 0, made.stderr
     return subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
 
@@ -80,6 +82,17 @@ def test_rtl_equals_model_at_other_stages(exp_bits, frac_bits, stages):
     add, mul, bits, ends = stages
     rcp = ends + -(-(frac_bits + 2) // bits)
     assert f"latencies measured: add {add}, mul {mul}, rcp {rcp}\n" in run.stdout
+
+
+@pytest.mark.parametrize(
+    ("exp_bits", "frac_bits", "modes"),
+    [(3, 4, ["zero"]), (4, 3, ["flush"]), (8, 23, ["zero", "flush"])],
+)
+def test_rtl_equals_model_in_other_modes(exp_bits, frac_bits, modes):
+    run = bench(exp_bits, frac_bits, "--pairs", "100000", "--seed", str(SEED), modes=modes)
+
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "0 differences in all" in run.stdout
 
 
 def test_tiny_keeps_its_latencies():

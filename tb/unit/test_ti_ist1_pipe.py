@@ -12,7 +12,12 @@ from models.ist1_cases import expected, near_end, pass_a, pass_a_cases, pass_b_c
 from models.numbers import hexed, numbers
 from models.payload import payloads
 
-FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10", "triangle_test=np"]
+FORMATS = [
+    "",
+    "exp_bits=7 frac_bits=16 rounding=zero",
+    "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush",
+    "triangle_test=np",
+]
 TAG_WIDTH = 9
 
 

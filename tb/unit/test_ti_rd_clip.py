@@ -12,7 +12,11 @@ from models.numbers import hexed, numbers
 from models.payload import parameter, payloads
 from models.rays import clip, origins, random_ray, ray, setup_cases, unit_box
 
-FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
+FORMATS = [
+    "",
+    "exp_bits=7 frac_bits=16 rounding=zero",
+    "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush",
+]
 OK, INVALID = 0, 1
 
 

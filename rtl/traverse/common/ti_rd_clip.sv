@@ -10,8 +10,12 @@
 /// comparison of each end in a cycle, and the same number of cycles after the first step for each `RayCycles`:
 /// `Latency` cycles after the last step; no stall.
 /// An axis whose inverse is infinite is parallel: it sets no bound, and the ray misses when o lies
-/// outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward by 4 ulp, which covers
+/// outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward by `Outward` ulp, which covers
 /// the three roundings; the ray misses when tmin > tmax, tmin' > tmax' or tmax' < 0.
+/// With u = 2^-(FracBits+1) an ulp is at least u of its number, so k of them upward are a factor of at least (1 + u)^k.
+/// To nearest t is at least (1 - u)^3 of what it stands for, and k = 4 is enough for FracBits >= 2.  Toward zero it is
+/// above (1 - 2 u)^3 of that, never more, and k = 8 is enough.  `docs/fp.md` says what is lost where inverses end at
+/// the largest number, and where subnormals are flushed.
 /// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid; without `AnyHit` so is
 /// an any-hit ray.
 /// A lane has 1 RCP, 2 ADD, 2 MUL, 2 CMP; 2 CMP for all.
@@ -54,7 +58,7 @@ module ti_rd_clip #(
   localparam int unsigned M = ti_num_pkg::FracBits;
   localparam int unsigned W = ti_num_pkg::FpWidth;
   // Units in the last place by which the interval grows at each end.
-  localparam int unsigned Outward = 4;
+  localparam int unsigned Outward = ti_fp_pkg::OutwardUlps;
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
   typedef ti_pkg::fp_t fp_t;
 

@@ -7,7 +7,7 @@
 /// come to, here and in the triangle test.
 ///
 /// A is the largest |plane - o| of the scene box; the thickness has the fraction of A and an exponent lower by
-/// `Places`, at least 1: 32 u A with u = 2^-(FracBits+1).  On each axis the origins are o + thickness and
+/// `Places`, at least 1: 32 u A with u = 2^-(FracBits+1), or 2^-FracBits where operations round toward zero.  On each axis the origins are o + thickness and
 /// o - thickness, each moved outward by one more ulp; near is the one farther along the direction.  What the
 /// thickness covers is added up in `sw/model/rd.hpp`.
 /// A ray in `RayCycles` steps, as `ti_rd_clip` takes it: lane 0 has the axis of the step, each further axis a lane of
@@ -40,7 +40,9 @@ module ti_rd_thick #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
   localparam int unsigned W = ti_num_pkg::FpWidth;
-  localparam int unsigned Places = (M > 4) ? M - 4 : 0;
+  // 32 u, u being 2^-(M+1), or 2^-M toward zero.
+  localparam int unsigned Thicker = ti_fp_pkg::TowardZero ? 5 : 4;
+  localparam int unsigned Places = (M > Thicker) ? M - Thicker : 0;
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
   typedef ti_pkg::fp_t fp_t;
   typedef logic [W-2:0] size_t;
@@ -195,12 +197,15 @@ module ti_rd_thick #(
     );
 
     // The next number above, and below; from a zero the least one of that sign.
-    localparam fp_t Least = fp_t'(1);
+    localparam fp_t Least = ti_fp_pkg::Flush ? fp_t'(1) << M : fp_t'(1);
+    logic above_zero, below_zero;
+    assign above_zero = above[M+:E] == '0 && (ti_fp_pkg::Flush || above[M-1:0] == '0);
+    assign below_zero = below[M+:E] == '0 && (ti_fp_pkg::Flush || below[M-1:0] == '0);
     always_comb begin
       above_out = above[W-1] ? above - 1'b1 : above + 1'b1;
       below_out = below[W-1] ? below + 1'b1 : below - 1'b1;
-      if (above[W-2:0] == '0) above_out = Least;
-      if (below[W-2:0] == '0) below_out = {1'b1, Least[W-2:0]};
+      if (above_zero) above_out = Least;
+      if (below_zero) below_out = {1'b1, Least[W-2:0]};
       if (above[M+:E] == '1) above_out = above;
       if (below[M+:E] == '1) below_out = below;
     end
