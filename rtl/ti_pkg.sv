@@ -75,17 +75,22 @@ package ti_pkg;
     trv_slot_t  slot;
   } home_t;
 
-  localparam int unsigned ShearAxisWidth =
-      (ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestWoop) ? 2 : 1;
-
-  /// What a triangle test needs of a ray: of Shevtsov's test origin and direction, with `z` 0; of Woop's the origin,
-  /// the axis of the largest |d|, the shear along x = z + 1 and y = z + 2 and the inverse of d along z
-  /// (`ti_rd_shear`), in this order from d[0].
+  /// What a triangle test needs of a ray: origin and direction; of Woop's test in place of the direction sx, sy and sz
+  /// (`ti_rd_shear`), from d[0] on.  As |sx| and |sy| are less than 2, the highest bits of their exponents are 0: there
+  /// stand the two bits of the axis z.
   typedef struct packed {
-    vec3_t                     o;
-    vec3_t                     d;
-    logic [ShearAxisWidth-1:0] z;
+    vec3_t o;
+    vec3_t d;
   } ray_operands_t;
+
+  function automatic vec3_t with_axis(vec3_t shear, logic [1:0] z);
+    with_axis                           = shear;
+    with_axis[0][ti_num_pkg::FpWidth-2] = z[0];
+    with_axis[1][ti_num_pkg::FpWidth-2] = z[1];
+  endfunction
+  function automatic logic [1:0] axis_of(vec3_t d);
+    return {d[1][ti_num_pkg::FpWidth-2], d[0][ti_num_pkg::FpWidth-2]};
+  endfunction
 
   /// Traversal -> intersection: a leaf that a ray has reached.
   typedef struct packed {

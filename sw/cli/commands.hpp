@@ -22,8 +22,8 @@ struct Arguments {
   std::string effects = "auto";
   std::string rays;
   std::string cases_file;
-  std::string base_file;       ///< configuration that a machine was planned on; empty: none was
-  std::filesystem::path keys;  ///< of machine: file for them; empty: render
+  std::string base_file;         ///< configuration that a machine was planned on; empty: none was
+  std::filesystem::path keys;    ///< of machine: file for them; empty: render
   std::uint64_t count = 100000;  ///< of accuracy: rays of each kind
   int spp = 1;
   int bounces = 4;

@@ -126,9 +126,7 @@ struct Maker {
 };
 
 template <class T>
-constexpr Maker kMaker{T::kTree,
-                       T::kTraversal,
-                       T::kTest,
+constexpr Maker kMaker{T::kTree, T::kTraversal, T::kTest,
                        [](const Image& image, const Tracer::Options& options) {
                          return std::unique_ptr<Tracer>(std::make_unique<T>(image, options));
                        }};

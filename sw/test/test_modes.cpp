@@ -65,7 +65,8 @@ TEST_CASE("modes: pass (a) drops a test only where its t lies outside the range 
             ++dropped;
             wrong += c && c->t <= end;
           }
-          if (!model::pass_a<TestKind::Local, AnyFp>(plane, o, d, {end, AnyFp::from_bits(AnyFp::kInfBits)})) {
+          if (!model::pass_a<TestKind::Local, AnyFp>(plane, o, d,
+                                                     {end, AnyFp::from_bits(AnyFp::kInfBits)})) {
             ++dropped;
             wrong += !(dett.to_double() < end.to_double() * det.to_double());
           }

@@ -102,11 +102,14 @@ bool is_crack(const ExactTracer& exact, const Mesh& mesh, const Format& format, 
                                                    {-diagonal, diagonal},
                                                    {diagonal, -diagonal},
                                                    {-diagonal, -diagonal}}};
-  return std::all_of(ways.begin(), ways.end(), [&](const auto& way) {
-    Ray moved = ray;
-    moved.o = glm::vec3(o + reach * (way[0] * side + way[1] * up));
-    return exact.trace(moved).hit;
-  });
+  for (double distance = reach; distance > reach / 100.0; distance *= 0.5) {
+    for (const auto& way : ways) {
+      Ray moved = ray;
+      moved.o = glm::vec3(o + distance * (way[0] * side + way[1] * up));
+      if (!exact.trace(moved).hit) return false;
+    }
+  }
+  return true;
 }
 
 HitErrors hit_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,

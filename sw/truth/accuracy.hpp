@@ -34,8 +34,10 @@ struct HitErrors {
 constexpr std::size_t kMostErrors = std::size_t{1} << 20;
 
 /// Whether a miss of `ray`, whose exact hit has distance t, is a crack: the exact ray hits, and so
-/// do eight rays moved sideways by 10 u A, by which the test may see a corner moved. A is the
-/// distance of the farthest corner of the box of `mesh` from the origin of the ray.
+/// does every one of 56 rays moved sideways, in 8 directions by up to 10 u A: so far the test may
+/// see a corner moved, and with it the outline of the mesh. A is the distance of the farthest
+/// corner of the box of `mesh` from the origin of the ray. Between the 56 an outline may be
+/// overlooked, so there may be fewer cracks than are counted, and not more.
 [[nodiscard]] bool is_crack(const ExactTracer& exact, const Mesh& mesh, const Format& format,
                             const Ray& ray);
 

@@ -138,8 +138,8 @@ void bind_tracer(nb::module_& module) {
 
 void bind_scene(nb::module_& module) {
   module.def(
-      "corner_bytes", [](const Format& format) { return corner_bytes(format); },
-      nb::arg("format"), "Bytes of a packed record of Woop's test.");
+      "corner_bytes", [](const Format& format) { return corner_bytes(format); }, nb::arg("format"),
+      "Bytes of a packed record of Woop's test.");
   bind_image(module);
   bind_tracer(module);
 }

@@ -39,9 +39,9 @@ Bits3 bits_of(const Vec3<F>& v) {
   return {v[0].bits(), v[1].bits(), v[2].bits()};
 }
 
-std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(const Format& format, const Bits3& lo, const Bits3& hi,
-                                                  const Bits3& o, const Bits3& d, Bits tmin,
-                                                  Bits tmax, bool padded) {
+std::tuple<bool, int, Bits3, Bits, Bits> clip_ray(const Format& format, const Bits3& lo,
+                                                  const Bits3& hi, const Bits3& o, const Bits3& d,
+                                                  Bits tmin, Bits tmax, bool padded) {
   return in_format<UnitFormats>(format, [&]<typename F>() {
     const model::FpRay<F> ray{vec<F>(o), vec<F>(d), F::from_bits(tmin), F::from_bits(tmax)};
     const model::Box<F> box{vec<F>(lo), vec<F>(hi)};
@@ -110,8 +110,8 @@ std::tuple<Bits, Bits> ordered(Bits link, Bits index, bool negative) {
   return {children.near, children.far};
 }
 
-std::optional<Bits4> pass_a(const Format& format, const Plane& plane, const Bits3& o, const Bits3& d,
-                            Bits tnear, Bits tfar, bool as_published) {
+std::optional<Bits4> pass_a(const Format& format, const Plane& plane, const Bits3& o,
+                            const Bits3& d, Bits tnear, Bits tfar, bool as_published) {
   return in_format<UnitFormats>(format, [&]<typename F>() -> std::optional<Bits4> {
     const model::TestRange<F> range{F::from_bits(tnear), F::from_bits(tfar)};
     const auto a =
@@ -149,29 +149,27 @@ std::optional<std::tuple<Bits, Bits, Bits>> pass_c(const Format& format, const B
 }  // namespace
 
 void bind_units(nb::module_& module) {
-  module.def("clip", &clip_ray, nb::arg("format"), nb::arg("box_lo"),
-             nb::arg("box_hi"), nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
+  module.def("clip", &clip_ray, nb::arg("format"), nb::arg("box_lo"), nb::arg("box_hi"),
+             nb::arg("o"), nb::arg("d"), nb::arg("tmin"), nb::arg("tmax"),
              nb::arg("padded") = false, "Set-up of a ray: (miss, status, inv, tmin, tmax).");
-  module.def("thick_origins", &thick_origins, nb::arg("format"),
-             nb::arg("box_lo"), nb::arg("box_hi"), nb::arg("o"), nb::arg("d"),
+  module.def("thick_origins", &thick_origins, nb::arg("format"), nb::arg("box_lo"),
+             nb::arg("box_hi"), nb::arg("o"), nb::arg("d"),
              "(least, most): the origins of a thick ray.");
-  module.def("shear", &shear, nb::arg("format"), nb::arg("d"),
-             nb::arg("inv"), "(z, (sx, sy, sz)) of Woop's test.");
-  module.def("edge_functions", &edge_functions, nb::arg("format"),
-             nb::arg("corners"), nb::arg("o"), nb::arg("z"), nb::arg("shear"),
+  module.def("shear", &shear, nb::arg("format"), nb::arg("d"), nb::arg("inv"),
+             "(z, (sx, sy, sz)) of Woop's test.");
+  module.def("edge_functions", &edge_functions, nb::arg("format"), nb::arg("corners"), nb::arg("o"),
+             nb::arg("z"), nb::arg("shear"),
              "(weights, ways along z) of the corners, or None when the ray passes outside.");
-  module.def("woop_pass_c", &woop_pass_c, nb::arg("format"),
-             nb::arg("weight"), nb::arg("z"), nb::arg("sz"),
-             "(t, u, v), or None when t is not finite or less than 0.");
-  module.def("split_distance", &split_distance, nb::arg("format"),
-             nb::arg("value"), nb::arg("link"), nb::arg("o"), nb::arg("inv"));
-  module.def("choose", &choose, nb::arg("format"), nb::arg("t"),
-             nb::arg("tmin"), nb::arg("tmax"), "0: near only, 1: far only, 2: both.");
+  module.def("woop_pass_c", &woop_pass_c, nb::arg("format"), nb::arg("weight"), nb::arg("z"),
+             nb::arg("sz"), "(t, u, v), or None when t is not finite or less than 0.");
+  module.def("split_distance", &split_distance, nb::arg("format"), nb::arg("value"),
+             nb::arg("link"), nb::arg("o"), nb::arg("inv"));
+  module.def("choose", &choose, nb::arg("format"), nb::arg("t"), nb::arg("tmin"), nb::arg("tmax"),
+             "0: near only, 1: far only, 2: both.");
   module.def("ordered", &ordered, nb::arg("link"), nb::arg("index"), nb::arg("negative"),
              "(near, far) of the inner node at `index`.");
-  module.def("pass_a", &pass_a, nb::arg("format"), nb::arg("plane"),
-             nb::arg("o"), nb::arg("d"), nb::arg("tnear"), nb::arg("tfar"),
-             nb::arg("as_published") = false,
+  module.def("pass_a", &pass_a, nb::arg("format"), nb::arg("plane"), nb::arg("o"), nb::arg("d"),
+             nb::arg("tnear"), nb::arg("tfar"), nb::arg("as_published") = false,
              "(det, dett, audet, av), or None when the test is over.");
   module.def("pass_b", &pass_b, nb::arg("format"), nb::arg("plane"), nb::arg("bary"), nb::arg("d"),
              nb::arg("after_a"), "(det, dett, detu, detv), or None when the test is over.");

@@ -60,10 +60,18 @@ def origins(box_lo, box_hi, o, d):
 def operands(o, d):
     """What the configuration's triangle test needs of a ray."""
     if configuration()["triangle_test"] != "woop":
-        return {"o": o, "d": d, "z": 0}
+        return {"o": o, "d": d}
     n = numbers()
-    z, shear = n.model("shear", d, [n.model("fp_rcp", x) for x in d])
-    return {"o": o, "d": tuple(shear), "z": z}
+    z, (sx, sy, sz) = n.model("shear", d, [n.model("fp_rcp", x) for x in d])
+    top = n.width - 2  # the bit in which the axis stands
+    return {"o": o, "d": (sx & ~(1 << top) | (z & 1) << top, sy & ~(1 << top) | z >> 1 << top, sz)}
+
+
+def shear_of(d):
+    """(z, (sx, sy, sz)) of operands of Woop's test."""
+    top = 1 << numbers().width - 2
+    z = int(bool(d[0] & top)) | int(bool(d[1] & top)) << 1
+    return z, (d[0] & ~top, d[1] & ~top, d[2])
 
 
 def dispatched(box, given, inv, tmin, tmax, ray_id=0, any_hit=0):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import ti_model
 from models.numbers import numbers
 from models.payload import configuration, payloads
+from models.rays import shear_of
 
 BASE = 0x100000  # address of the image in memory
 
@@ -67,7 +68,8 @@ class Scene:
         n = numbers()
         o, d = operands["o"], operands["d"]
         if self.test_kind == "woop":
-            edges = n.model("edge_functions", self.corners[record][1], o, operands["z"], d)
+            z, d = shear_of(d)
+            edges = n.model("edge_functions", self.corners[record][1], o, z, d)
             if edges is None:
                 return Outcome("a")
             after = *(tuple(part) for part in edges), d[2]

@@ -9,7 +9,7 @@ from agents.bench import run, start
 from agents.fixed_latency import replay
 from models.numbers import hexed, numbers
 from models.payload import payloads
-from models.rays import operands
+from models.rays import operands, shear_of
 from models.scene import Scene, rays_through, soup
 
 FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
@@ -17,8 +17,8 @@ TAG_WIDTH = 9
 
 
 def case(corners, o, d):
-    made = operands(o, d)
-    return {"corners": corners, "o": o, "z": made["z"], "shear": made["d"]}
+    z, shear = shear_of(operands(o, d)["d"])
+    return {"corners": corners, "o": o, "z": z, "shear": shear}
 
 
 def cases(rng, count):

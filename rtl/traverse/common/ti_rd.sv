@@ -167,7 +167,7 @@ module ti_rd #(
   ti_pkg::ray_operands_t operands;
   if (Woop) begin : gen_shear
     logic shear_valid, shear_waits;
-    logic [1:0] z, z_waiting;
+    logic [1:0] z;
     ti_pkg::vec3_t clip_d, shear, shear_waiting;
     ti_delay #(
       .payload_t(ti_pkg::vec3_t),
@@ -189,24 +189,24 @@ module ti_rd #(
       .shear_o(shear)
     );
     ti_queue #(
-      .payload_t(logic [1+$bits(ti_pkg::vec3_t):0]),
+      .payload_t(ti_pkg::vec3_t),
       .Depth    (Depth)
     ) u_shears (
       .clk_i,
       .rst_ni,
       .push_i     (shear_valid),
-      .push_data_i({z, shear}),
+      .push_data_i(ti_pkg::with_axis(shear, z)),
       .out_valid_o(shear_waits),
       .out_ready_i(egress),
-      .out_data_o ({z_waiting, shear_waiting})
+      .out_data_o (shear_waiting)
     );
     assign all_valid = clipped_valid && shear_waits;
     logic unused_d;
     assign unused_d = ^ray.d;
-    assign operands = '{o: ray.o, d: shear_waiting, z: z_waiting};
+    assign operands = '{o: ray.o, d: shear_waiting};
   end else begin : gen_no_shear
     assign all_valid = clipped_valid;
-    assign operands  = '{o: ray.o, d: ray.d, z: '0};
+    assign operands  = '{o: ray.o, d: ray.d};
   end
 
   ti_queue #(
