@@ -33,6 +33,11 @@ LIMIT ?=
 TEST ?=
 UNIT ?=
 QUICK ?=
+FORMATS ?=
+TESTS ?=
+TRAVERSALS ?=
+RTL ?=
+SCHEDULER ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -102,6 +107,7 @@ bench_scenes = $(or $(value SCENES),$(papers_scenes),cornell knot)
 gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_life windmill)
 effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
   bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
+accuracy_scenes = $(or $(value SCENES),knot)
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -165,6 +171,13 @@ convergence: config $(ti) $(call made,$(convergence_scenes)) ## Noise by samples
 	@scripts/setup.sh --checks
 	@build/checks/bin/python scripts/convergence.py --config $(config)/config.json --out $(call out,build/convergence) \
 	  --scene $(foreach s,$(convergence_scenes),'$(subst ','\'',$(s))')
+
+accuracy: build/setup.stamp build/sw/ti $(call made,$(accuracy_scenes)) ## Wrong hits of formats, tests and walks by exact arithmetic, beside their cost: JSON lines, CSV, a page (SCENES="..." FORMATS="8,23 7,16" TESTS="local woop" TRAVERSALS= RAYS="edges far" N= RTL=20000 QUICK=1 SCHEDULER=tcp://... CONFIG= SEED= OUT=)
+	@scripts/setup.sh --checks
+	@build/checks/bin/python scripts/accuracy.py --ti build/sw/ti --config $(call q,CONFIG) $(call opt,--formats,FORMATS) \
+	  $(call opt,--tests,TESTS) $(call opt,--traversals,TRAVERSALS) $(call opt,--rays,RAYS) $(call opt,--seed,SEED) \
+	  --count $(or $(call opt,,N),$(if $(value QUICK),20000,100000)) $(call opt,--rtl,RTL) $(call opt,--scheduler,SCHEDULER) \
+	  --out $(call out,build/accuracy/sweep) --scene $(foreach s,$(accuracy_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')")
 
 ##@ Build
 engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)

@@ -35,7 +35,9 @@ UNITS = {
     "ti_trv": ("TRV", (1, 1, 0, 3)),
     "ti_list": ("LIST", (0, 0, 0, 0)),
     "ti_ist1": ("IST1", (7, 7, 0, 3)),
+    "ti_woop_ist1": ("IST1", (7, 7, 0, 3)),
     "ti_ist2": ("IST2", (0, 3, 1, 0)),
+    "ti_woop_ist2": ("IST2", (0, 3, 1, 0)),
 }
 # mm2 of the published core, and of one operator in its area table.
 PAPER_MM2 = {"core": 12.12, "ADD": 0.003, "MUL": 0.01, "RCP": 0.11, "CMP": 0.00072}
@@ -43,10 +45,19 @@ PAPER_MM2 = {"core": 12.12, "ADD": 0.003, "MUL": 0.01, "RCP": 0.11, "CMP": 0.000
 
 def agreed(config: dict) -> dict[tuple[str, str], int]:
     """What a unit may have above the published budget, by heading and operator (decisions.md)."""
+    padded = config["traversal"] == "padded"  # thick rays (accuracy.md)
+    woop = config["triangle_test"] == "woop"  # another test than the published one
+    lanes = 4 - config["rd_cycles"]
     more = {
-        ("RD", "RCP"): 3 - config["rd_cycles"],  # each lane has its own
-        ("TRV", "CMP"): 2,  # a token home every cycle
-        ("IST1", "MUL"): int(config["interval_cull"]),  # its near end
+        ("RD", "ADD"): 6 * lanes - 6 if padded else 0,
+        ("RD", "RCP"): lanes - 1,  # each lane has its own
+        ("TRV", "ADD"): int(padded),
+        ("TRV", "MUL"): int(padded),
+        ("TRV", "CMP"): 2 + 4 * padded,  # a token home every cycle
+        ("IST1", "ADD"): 11 * woop,
+        ("IST1", "MUL"): 5 if woop else int(config["interval_cull"]),  # its near end
+        ("IST2", "ADD"): 4 * woop,
+        ("IST2", "MUL"): 4 * woop,
     }
     return {place: count for place, count in more.items() if count}
 

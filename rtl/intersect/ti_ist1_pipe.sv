@@ -185,19 +185,23 @@ module ti_ist1_pipe #(
     .valid_o(),
     .result_o(h_v)
   );
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_h_w (
-    .clk_i,
-    .rst_ni,
-    .valid_i(at_h && !b_h && !Np),
-    .a_i(p_h[2]),
-    .b_i(o_h[2]),
-    .negate_b_i(1'b1),
-    .valid_o(),
-    .result_o(h_w)
-  );
+  if (Np) begin : gen_no_aw
+    assign h_w = '0;
+  end else begin : gen_aw
+    ti_fp_add #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_h_w (
+      .clk_i,
+      .rst_ni,
+      .valid_i(at_h && !b_h),
+      .a_i(p_h[2]),
+      .b_i(o_h[2]),
+      .negate_b_i(1'b1),
+      .valid_o(),
+      .result_o(h_w)
+    );
+  end
   ti_fp_add #(
     .ExpBits (E),
     .FracBits(M)

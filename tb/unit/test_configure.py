@@ -155,7 +155,9 @@ def test_a_broken_file_is_named(edit, sentence, tmp_path):
 def test_an_unknown_name_lists_the_known_ones(tmp_path):
     out = tmp_path / "config"
     for name in ("nothing", "schema"):
-        refused(script(name, "--out", out), out, "there are paper, small, tiny, or give")
+        refused(
+            script(name, "--out", out), out, "there are paper, small, tiny, watertight, or give"
+        )
 
 
 # --- Where builds are ----------------------------------------------------------------------------

@@ -34,14 +34,22 @@ def edited(folder, file, old, new):
     return rtl
 
 
-@pytest.mark.parametrize("config", ["paper", "tiny", "small num_trv=3"])
+@pytest.mark.parametrize(
+    "config",
+    ["paper", "tiny", "small num_trv=3", "watertight", "tiny triangle_test=np rd_cycles=2"],
+)
 def test_engine_is_within_the_published_budget(tmp_path, config):
     done, numbers = count(tmp_path, config)
     assert done.returncode == 0, done.stderr
     configuration = numbers["config"]
     for kind, key in [("TRV", "num_trv"), ("LIST", "num_list"), ("IST1", "num_ist1")]:
         assert numbers["kinds"][kind]["units"] == configuration[key]
-    assert numbers["kinds"]["IST2"]["operators"] == {"ADD": 0, "MUL": 3, "RCP": 1, "CMP": 0}
+    woop = configuration["triangle_test"] == "woop"
+    ist2 = {"ADD": 4, "MUL": 7} if woop else {"ADD": 0, "MUL": 3}
+    assert numbers["kinds"]["IST2"]["operators"] == {**ist2, "RCP": 1, "CMP": 0}
+    ist1 = {"ADD": 18, "MUL": 12} if woop else {"ADD": 7, "MUL": 8}
+    each = numbers["kinds"]["IST1"]["operators"]
+    assert {k: each[k] / configuration["num_ist1"] for k in ist1} == ist1
 
 
 @pytest.mark.parametrize("ray_cycles", [1, 2, 3])

@@ -10,7 +10,7 @@
 /// leaves to `ti_trv_return`, as the number below it (`bound_o`).  Otherwise it goes on at the deepest level of the
 /// trail that is not done: to the top of the short stack, or, where that entry has been dropped, down from the root
 /// once more with the same comparisons, and so on the same way.  As a number with the root as its highest digit the
-/// trail grows with each leaf, so every walk ends.  7 CMP.
+/// trail grows with each leaf, so every walk ends.  6 CMP.
 module ti_kd_decide_padded #(
   parameter int unsigned StackDepth = 4,
   parameter bit Restart = 1'b1,
