@@ -32,11 +32,11 @@ struct Clipped {
   F tmin, tmax;  ///< interval of the traversal, 0 <= tmin < tmax unless `miss`
 };
 
-/// Units in the last place by which the interval of a ray grows at each end: 4, which covers three
-/// roundings to nearest, or 8 where operations round toward zero. `ti_rd_clip` has the proof.
+/// Units in the last place by which the interval of a ray grows at each end. `ti_rd_clip` has the
+/// proof.
 template <class F>
 [[nodiscard]] std::uint32_t outward_ulps() {
-  return F::modes().toward_zero ? 8 : 4;
+  return F::reciprocal_half_ulps() + (F::modes().toward_zero ? 6 : 3);
 }
 
 /// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward.

@@ -48,6 +48,7 @@ Point normal(const Corners& triangle) {
 BoundedOps::BoundedOps(Format format)
     : u_(format.rounding_unit() + kDoubleUnit),
       stored_u_(std::ldexp(1.0, -format.frac_bits - 1) + kDoubleUnit),
+      reciprocal_u_(std::max(2.0 * u_, format.reciprocal_unit() + kDoubleUnit)),
       eta_(format.underflow_unit()),
       sum_eta_(format.modes.flush ? eta_ : 0.0),
       max_(std::ldexp(2.0 - std::ldexp(1.0, -format.frac_bits), format.bias())),
@@ -89,7 +90,7 @@ Bounded BoundedOps::reciprocal(Bounded a) const {
   }
   const double v = 1.0 / a.v;
   const double e = a.e / (std::abs(a.v) * least);
-  return ranged({v, e + 2.0 * u_ * (std::abs(v) + e) + eta_});
+  return ranged({v, e + reciprocal_u_ * (std::abs(v) + e) + eta_});
 }
 
 std::optional<TestConstants> test_constants(const Corners& triangle, Format format) {
@@ -150,8 +151,9 @@ TestBand test_band(const BoundedOps& ops, const TestConstants& tri, const Ray& r
     const bool opposite =
         (detu.lo() > 0.0 && detv.hi() < 0.0) || (detu.hi() < 0.0 && detv.lo() > 0.0);
     const bool outside = std::abs(sum.v) - sum.e > std::abs(det.v) + det.e;
-    const double least_t =
-        (std::abs(dett.v) - dett.e) / (std::abs(det.v) + det.e) * (1.0 - 8.0 * ops.u()) - ops.eta();
+    const double least_t = (std::abs(dett.v) - dett.e) / (std::abs(det.v) + det.e) *
+                               (1.0 - 6.0 * ops.u() - ops.reciprocal_u()) -
+                           ops.eta();
     band.possible = !opposite && !outside && (ops.saturates() || !(least_t > ops.max()));
     band.grazing = true;
     band.t = band.u = band.v = {0.0, kInf};

@@ -39,6 +39,7 @@ class Payloads:
         self._constants = {_camel(key): value for key, value in config.items()}
         self._constants["TowardZero"] = config["rounding"] == "zero"
         self._constants["Flush"] = config["subnormals"] == "flush"
+        self._constants["Newton"] = config["reciprocal"] == "newton"
         for name, expression in CONSTANT.findall(text):
             if re.fullmatch(r"[\w\s:$()>?*+&\[\]-]+", expression):
                 self._constants[name] = self._evaluate(expression)
@@ -51,8 +52,9 @@ class Payloads:
 
     @property
     def format(self):
-        """(exponent bits, fraction bits, whether toward zero, whether flushed)."""
-        return tuple(self._constants[k] for k in ("ExpBits", "FracBits", "TowardZero", "Flush"))
+        """As `Oracle` takes it: bits of exponent and fraction, modes, table bits, Newton steps."""
+        names = ("ExpBits", "FracBits", "TowardZero", "Flush", "RcpTableBits", "RcpNewtonSteps")
+        return tuple(self._constants[name] for name in names)
 
     def width(self, name):
         return _width(self._types[name])
