@@ -19,6 +19,7 @@ rtl/count/ti_counters.sv
 rtl/fp/ti_fp_add.sv
 rtl/fp/ti_fp_mul.sv
 rtl/fp/ti_fp_cmp.sv
+rtl/fp/ti_fp_newton.sv
 rtl/fp/ti_fp_rcp.sv
 rtl/fp/ti_fp_class.sv
 rtl/mem/ti_l1.sv

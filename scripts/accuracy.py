@@ -3,14 +3,14 @@
 """Sweep number formats, triangle tests and walks of the tree: wrong hits beside what they cost.
 
 A point is a scene with a format, a test and a walk.  `ti accuracy` counts its wrong hits against
-exact arithmetic, for each kind of rays, on the model, which has the bits of the RTL.  Beside it stand
-the operators of the machine (scripts/operators.py) with their ECP5 cells in that format
-(scripts/synth_check.py), the latency of a step and of a test, and the bytes of a node and a triangle;
-with --rtl the cycles of primary rays on the RTL as well.
+exact arithmetic, for each kind of rays, on the model, which has the bits of the RTL.  Beside it
+stand the operators of the machine (scripts/operators.py) with their ECP5 cells in that format
+(scripts/synth_check.py), the latency of a step and of a test, and the bytes of a node and a
+triangle; with --rtl the cycles of primary rays on the RTL as well.
 
-Points are tasks of dask.distributed: a cluster of this machine, one task at a time, as each uses all
-processors, or any other by --scheduler.  Each is written to OUT/points.jsonl when it is done, with
-the command that repeats it, and is not run again, so a sweep that was stopped goes on.
+Points are tasks of dask.distributed: a cluster of this machine, one task at a time, as each uses
+all processors, or any other by --scheduler.  Each is written to OUT/points.jsonl when it is done,
+with the command that repeats it, and is not run again, so a sweep that was stopped goes on.
 
 OUT gets points.jsonl, points.csv and index.html, which needs no other file.
 
@@ -78,8 +78,7 @@ def machine_of(config: str, fmt: str, test: str, walk: str) -> tuple[str, config
 def latencies(keys: dict) -> dict[str, int]:
     """Cycles from a node to the next, and from a record to the verdict and to the hit."""
     add, mul = keys["fp_add_stages"], keys["fp_mul_stages"]
-    bits, ends = keys["fp_rcp_bits_per_stage"], keys["fp_rcp_end_stages"]
-    rcp = ends + (keys["frac_bits"] + 1 + bits) // bits
+    rcp = configure.reciprocal_stages(keys)
     if keys["triangle_test"] == "woop":
         passes, last = 3 * add + 2 * mul + 2, 3 * mul + 2 * add + rcp + 1
     else:

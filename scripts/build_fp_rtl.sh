@@ -28,13 +28,6 @@ frac_bits=$2
 mkdir -p "$3"
 out=$(cd "$3" && pwd)
 shift 3
-defines="-DTI_EXP_BITS=$exp_bits -DTI_FRAC_BITS=$frac_bits"
-for key; do
-  case $key in
-    rounding=zero) defines="$defines -DTI_TOWARD_ZERO=1" ;;
-    subnormals=flush) defines="$defines -DTI_FLUSH=1" ;;
-  esac
-done
 export OBJCACHE="${OBJCACHE-$(command -v ccache || true)}"
 
 # One build at a time in a folder.
@@ -45,12 +38,30 @@ flock 9
 touch "$out/unfinished"
 
 python "$root/scripts/configure.py" tiny "exp_bits=$exp_bits" "frac_bits=$frac_bits" "$@" --out "$out/config"
+# The format and modes of the model.
+defines=$(python - "$out/config/config.json" <<'END'
+import json
+import sys
+
+key = json.load(open(sys.argv[1]))
+newton = key["reciprocal"] == "newton"
+values = {
+    "EXP_BITS": key["exp_bits"],
+    "FRAC_BITS": key["frac_bits"],
+    "TOWARD_ZERO": int(key["rounding"] == "zero"),
+    "FLUSH": int(key["subnormals"] == "flush"),
+    "TABLE_BITS": key["rcp_table_bits"] * newton,
+    "NEWTON_STEPS": key["rcp_newton_steps"] * newton,
+}
+print(*(f"-DTI_{name}={value}" for name, value in values.items()))
+END
+)
 
 verilator --cc --exe --build -j 2 --assert --quiet -Wall -O3 \
   --Mdir "$out" -o fp_rtl --top-module ti_fp_top -GExpBits="$exp_bits" -GFracBits="$frac_bits" \
   -I"$root/rtl/common" -I"$out/config" "$root/lint/verilator.vlt" "$out/config/ti_config_pkg.sv" \
   "$root/rtl/fp/ti_fp_pkg.sv" "$root/rtl/fp/ti_fp_add.sv" "$root/rtl/fp/ti_fp_mul.sv" \
-  "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
+  "$root/rtl/fp/ti_fp_newton.sv" "$root/rtl/fp/ti_fp_rcp.sv" "$root/rtl/fp/ti_fp_cmp.sv" "$root/sim/fp/ti_fp_top.sv" \
   "$root/sim/fp/fp_rtl.cpp" "$root/sim/fp/testfloat_file.cpp" "$root/sw/base/format.cpp" \
   -CFLAGS "-std=c++20 -ffp-contract=off -I$root/sw -I$root/sim/fp" \
   -CFLAGS "$defines" -MAKEFLAGS OPT_FAST=-O2

@@ -189,15 +189,53 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
         check_l2(path, config, unit)
 
 
+def reciprocal_half_ulps(config: dict[str, object]) -> int:
+    """Bound on the error of a reciprocal in halves of a unit in the last place (`ti_fp_pkg`)."""
+    toward_zero = config["rounding"] == "zero"
+    if config["reciprocal"] == "division":
+        return 2 if toward_zero else 1
+    error = 3 << (28 - config["rcp_table_bits"])
+    for _ in range(1, config["rcp_newton_steps"]):
+        error = (error * error >> 30) + 1 + (1 << (29 - config["frac_bits"]))
+    if config["rcp_newton_steps"]:
+        error = (error * error >> 30) + 1
+    sixteenths = (error << (config["frac_bits"] + 5) >> 30) + 1 + (24 if toward_zero else 12)
+    return 2 * -(-sixteenths // 16)
+
+
 def outward_ulps(config: dict[str, object]) -> int:
     """Units that cover the three roundings of the t of a plane (`ti_fp_pkg`)."""
-    return 8 if config["rounding"] == "zero" else 4
+    return reciprocal_half_ulps(config) + (6 if config["rounding"] == "zero" else 3)
 
 
-def check_reciprocal(path: Path, config: dict[str, int]) -> None:
-    """RD subtracts while it inverts: the reciprocal takes at least as long (`ti_fp_pkg`)."""
+def reciprocal_stages(config: dict[str, object]) -> int:
+    """Register stages of a reciprocal (`ti_fp_pkg`)."""
+    if config["reciprocal"] == "newton":
+        product = 2 if config["fp_mul_stages"] >= 5 else 1
+        return config["fp_rcp_end_stages"] + 1 + 2 * product * config["rcp_newton_steps"]
     bits = config["fp_rcp_bits_per_stage"]
-    stages = config["fp_rcp_end_stages"] + (config["frac_bits"] + 1 + bits) // bits
+    return config["fp_rcp_end_stages"] + (config["frac_bits"] + 1 + bits) // bits
+
+
+def check_reciprocal(path: Path, config: dict[str, object]) -> None:
+    """RD subtracts while it inverts: the reciprocal takes at least as long (`ti_fp_pkg`).
+
+    The guards of the culls hold for an error of N units with 2 N^2 <= 2^M (`ti_ist1_verdict`).
+    """
+    if config["reciprocal"] == "newton":
+        if config["rcp_table_bits"] > config["frac_bits"]:
+            raise ConfigError(
+                f"{path}: rcp_table_bits is {config['rcp_table_bits']}, "
+                f"but must be at most frac_bits, {config['frac_bits']}"
+            )
+        ulps = reciprocal_half_ulps(config) // 2
+        if 2 * ulps**2 > 1 << config["frac_bits"]:
+            raise ConfigError(
+                f"{path}: rcp_table_bits {config['rcp_table_bits']} and rcp_newton_steps "
+                f"{config['rcp_newton_steps']} leave an error of up to {ulps} units in the last "
+                f"place, too many for frac_bits {config['frac_bits']}; take more of either"
+            )
+    stages = reciprocal_stages(config)
     if config["fp_add_stages"] > stages:
         raise ConfigError(
             f"{path}: fp_add_stages is {config['fp_add_stages']}, "

@@ -17,10 +17,13 @@ namespace ti::sim {
 
 inline constexpr int kFpWidth = 1 + config::kExpBits + config::kFracBits;
 inline constexpr int kStepsWidth = std::bit_width(unsigned{config::kWatchdogSteps});
+inline constexpr bool kNewton = config::kReciprocal == Reciprocal::kNewton;
 inline constexpr Format kFormat{config::kExpBits,
                                 config::kFracBits,
                                 {.toward_zero = config::kRounding == Rounding::kZero,
-                                 .flush = config::kSubnormals == Subnormals::kFlush}};
+                                 .flush = config::kSubnormals == Subnormals::kFlush,
+                                 .rcp_table_bits = kNewton ? config::kRcpTableBits : 0,
+                                 .rcp_newton_steps = kNewton ? config::kRcpNewtonSteps : 0}};
 
 /// Bit `index` of a port that has one bit a core or a stream.
 template <typename Port>

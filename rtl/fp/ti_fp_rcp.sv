@@ -2,19 +2,22 @@
 
 `include "ti_reset.svh"
 
-/// Floating-point 1 / a, correctly rounded.
+/// Floating-point 1 / a: correctly rounded by division, or by Newton steps from a table of seeds.
 ///
-/// Latency `ti_fp_pkg::rcp_latency(FracBits, BitsPerStage, EndStages)`, one result a cycle, never
-/// stalls.  All paths start and end in registers except the input.  A stage works only for a valid
-/// operand.  With 3 end stages the leading zeros of the operand are counted in a stage of their
-/// own, which leaves time for what the caller has in front; with 4 the quotient is shifted in one
-/// stage and rounded in the next.
+/// Latency `ti_fp_pkg::rcp_latency` of its parameters, one result a cycle, never stalls.  All paths
+/// start and end in registers except the input.  A stage works only for a valid operand.  With 3 end
+/// stages the leading zeros of the operand are counted in a stage of their own, which leaves time for
+/// what the caller has in front; with 4 the quotient is shifted in one stage and rounded in the next.
 ///
-/// Error at most half a unit in the last place in every format, one toward zero: restoring long division, one digit
-/// of `BitsPerStage` bits by comparing with all its multiples of the divisor at once, remainder as
-/// sticky bit, one rounding to nearest even.  IEEE 754: subnormals kept on both sides; 1/0 is
-/// infinity and 1/infinity is zero, with the operand's sign; a subnormal operand whose inverse is
-/// out of range gives infinity; 1/NaN is the one quiet NaN (sign 0, fraction 10...0).
+/// By division (`TableBits` 0) the error is at most half a unit in the last place in every format:
+/// restoring long division, one digit of `BitsPerStage` bits by comparing with all its multiples of
+/// the divisor at once, remainder as sticky bit, one rounding to nearest even.  By Newton steps
+/// (`ti_fp_newton`) it is at most `ti_fp_pkg::rcp_half_ulps` halves of one; the inverse of a power of
+/// two is exact.
+///
+/// IEEE 754: subnormals kept on both sides; 1/0 is infinity and 1/infinity is zero, with the
+/// operand's sign; a subnormal operand whose inverse is out of range gives infinity; 1/NaN is the one
+/// quiet NaN (sign 0, fraction 10...0).
 /// With `TowardZero` the quotient is cut off, and an inverse out of range gives the largest number.
 /// With `Flush` a subnormal operand is zero of its sign, and a result is rounded as if exponents had
 /// no end, then zero of its sign where its exponent is below 1: no zeros are counted and nothing is
@@ -28,6 +31,12 @@ module ti_fp_rcp #(
   parameter int unsigned BitsPerStage = ti_fp_pkg::RcpBitsPerStage,
   /// Stages in front of and behind the quotient, 2 to 4.
   parameter int unsigned EndStages = ti_fp_pkg::RcpEndStages,
+  /// Bits of the index into the seeds of `ti_fp_newton`, at most `FracBits`; 0: division.
+  parameter int unsigned TableBits = ti_fp_pkg::RcpTableBits,
+  /// Newton steps from a seed, 0 to 2.
+  parameter int unsigned NewtonSteps = ti_fp_pkg::RcpNewtonSteps,
+  /// Stages of each of the two products of a step, 1 or 2.
+  parameter int unsigned ProductStages = ti_fp_pkg::RcpProductStages,
   /// Whether results are rounded toward zero; to nearest even when not.
   parameter bit TowardZero = ti_fp_pkg::TowardZero,
   /// Whether subnormals are zeros, as operands and as results.
@@ -51,18 +60,22 @@ module ti_fp_rcp #(
   localparam int unsigned CountLatency = (EndStages >= 3) ? 1 : 0;
   localparam int unsigned ScaleLatency = 1;
   localparam int unsigned DigitLatency = (FracBits + 1 + BitsPerStage) / BitsPerStage;
+  localparam int unsigned NewtonLatency = 1 + 2 * NewtonSteps * ProductStages;
+  localparam int unsigned MiddleLatency = (TableBits == 0) ? DigitLatency : NewtonLatency;
   localparam int unsigned PlaceLatency = (EndStages >= 4) ? 1 : 0;
   localparam int unsigned RoundLatency = 1;
 
   // The stage of each step; that of counting is 0.
   localparam int unsigned ScaleStage = CountLatency;
-  localparam int unsigned DigitStage = ScaleStage + ScaleLatency;
-  localparam int unsigned PlaceStage = DigitStage + DigitLatency;
+  localparam int unsigned MiddleStage = ScaleStage + ScaleLatency;
+  localparam int unsigned PlaceStage = MiddleStage + MiddleLatency;
   localparam int unsigned RoundStage = PlaceStage + PlaceLatency;
   localparam int unsigned Latency = RoundStage + RoundLatency;
 
   localparam int unsigned MagBits = ExpBits + FracBits;
-  localparam int unsigned QuotBits = 1 + DigitLatency * BitsPerStage;
+  // Below the integer bit.
+  localparam int unsigned DigitBits = DigitLatency * BitsPerStage;
+  localparam int unsigned QuotBits = 1 + ((TableBits == 0) ? DigitBits : FracBits + 3);
   localparam int unsigned Radix = 1 << BitsPerStage;
   localparam int unsigned TrialBits = SigBits + BitsPerStage + 1;
   localparam int unsigned CountBits = $clog2(SigBits);
@@ -83,7 +96,9 @@ module ti_fp_rcp #(
   if (EndStages < 2 || EndStages > 4) begin : gen_check_end_stages
     $error("ti_fp_rcp: EndStages must be 2 to 4.");
   end
-  if (Latency != ti_fp_pkg::rcp_latency(FracBits, BitsPerStage, EndStages)) begin : gen_check_sum
+  if (Latency != ti_fp_pkg::rcp_latency(
+          FracBits, BitsPerStage, EndStages, TableBits, NewtonSteps, ProductStages
+      )) begin : gen_check_sum
     $error("ti_fp_rcp: Latency is not that of ti_fp_pkg.");
   end
 
@@ -111,17 +126,21 @@ module ti_fp_rcp #(
   logic [CountBits-1:0] count_q;
   side_t count_side_q;
 
-  // In front of digit stage i; the last ones are behind the digits.
-  logic [SigBits-1:0] divisor_q[DigitLatency+1];
-  logic [SigBits-1:0] remainder_q[DigitLatency+1];
-  logic [QuotBits-1:0] quotient_q[DigitLatency+1];
-  side_t side_q[DigitLatency+1];
+  logic [SigBits-1:0] scale_sig_q;
+  logic scale_one_q;
+
+  // In front of middle stage i; the last one is behind them.
+  side_t side_q[MiddleLatency+1];
+
+  // What the middle stages find: the inverse with its integer bit, and whether there is more of it.
+  logic [QuotBits-1:0] quotient;
+  logic inexact;
 
   logic [MagBits-1:0] place_mag_q;
   logic place_guard_q, place_sticky_q;
   side_t place_side_q;
 
-  // In front of the digits; the last stage first, so that registers are read before they are written.
+  // In front of the middle; the last stage first, so that registers are read before they are written.
   always_ff @(posedge clk_i) begin
     automatic side_t side;
     automatic logic [ExpBits-1:0] exp_a;
@@ -130,7 +149,7 @@ module ti_fp_rcp #(
     automatic logic [CountBits-1:0] count;
     automatic logic zero, one;
 
-    for (int k = int'(DigitStage) - 1; k >= 0; k--) begin
+    for (int k = int'(MiddleStage) - 1; k >= 0; k--) begin
       // Count: leading zeros of the significand.  Exponent 0 has the scale of exponent 1.
       if (k == 0 && valid_i) begin
         exp_a = a_i[FracBits+:ExpBits];
@@ -169,44 +188,76 @@ module ti_fp_rcp #(
         left = sig << count;
         one = left[FracBits-1:0] == '0;
         side.exponent = side.exponent + WideExpBits'(count);
-        divisor_q[0] <= left;
-        remainder_q[0] <= {!one, {FracBits{1'b0}}};
-        quotient_q[0] <= QuotBits'(one);
-        side_q[0] <= side;
+        scale_sig_q <= left;
+        scale_one_q <= one;
+        side_q[0]   <= side;
       end
     end
   end
 
-  // Digits: always 0 <= remainder < divisor.
-  for (genvar i = 0; i < DigitLatency; i++) begin : gen_digit
-    always_ff @(posedge clk_i) begin
-      automatic logic [BitsPerStage-1:0] digit;
-      automatic logic [SigBits-1:0] left;
-      automatic logic [TrialBits-1:0] trial;
+  for (genvar i = 0; i < MiddleLatency; i++) begin : gen_side
+    always_ff @(posedge clk_i) if (valid_q[MiddleStage+i-1]) side_q[i+1] <= side_q[i];
+  end
 
-      if (valid_q[DigitStage+i-1]) begin
-        digit = '0;
-        left  = remainder_q[i] << BitsPerStage;
-        for (int unsigned k = 1; k < Radix; k++) begin
-          trial = TrialBits'({remainder_q[i], {BitsPerStage{1'b0}}})
-              - TrialBits'(k) * TrialBits'(divisor_q[i]);
-          if (!trial[TrialBits-1]) begin
-            digit = BitsPerStage'(k);
-            left  = trial[SigBits-1:0];
+  if (TableBits == 0) begin : gen_division
+    // Behind digit stage i.
+    logic [ SigBits-1:0] divisor_q  [DigitLatency];
+    logic [ SigBits-1:0] remainder_q[DigitLatency];
+    logic [QuotBits-1:0] quotient_q [DigitLatency];
+
+    // Always 0 <= remainder < divisor.
+    for (genvar i = 0; i < DigitLatency; i++) begin : gen_digit
+      localparam int unsigned Before = (i == 0) ? 0 : i - 1;
+      always_ff @(posedge clk_i) begin
+        automatic logic [BitsPerStage-1:0] digit;
+        automatic logic [SigBits-1:0] divisor, remainder, left;
+        automatic logic [QuotBits-BitsPerStage-1:0] upper;
+        automatic logic [TrialBits-1:0] trial;
+
+        if (valid_q[MiddleStage+i-1]) begin
+          divisor = (i == 0) ? scale_sig_q : divisor_q[Before];
+          remainder = (i == 0) ? {!scale_one_q, {FracBits{1'b0}}} : remainder_q[Before];
+          upper = (i == 0) ? (QuotBits - BitsPerStage)'(scale_one_q)
+              : quotient_q[Before][QuotBits-BitsPerStage-1:0];
+          digit = '0;
+          left = remainder << BitsPerStage;
+          for (int unsigned k = 1; k < Radix; k++) begin
+            trial = TrialBits'({remainder, {BitsPerStage{1'b0}}})
+                - TrialBits'(k) * TrialBits'(divisor);
+            if (!trial[TrialBits-1]) begin
+              digit = BitsPerStage'(k);
+              left  = trial[SigBits-1:0];
+            end
           end
+          quotient_q[i]  <= {upper, digit};
+          remainder_q[i] <= left;
+          divisor_q[i]   <= divisor;
         end
-        quotient_q[i+1] <= {quotient_q[i][QuotBits-BitsPerStage-1:0], digit};
-        remainder_q[i+1] <= left;
-        divisor_q[i+1] <= divisor_q[i];
-        side_q[i+1] <= side_q[i];
       end
     end
+
+    assign quotient = quotient_q[DigitLatency-1];
+    assign inexact  = remainder_q[DigitLatency-1] != '0;
+  end else begin : gen_newton
+    ti_fp_newton #(
+      .FracBits     (FracBits),
+      .TableBits    (TableBits),
+      .Steps        (NewtonSteps),
+      .ProductStages(ProductStages),
+      .TowardZero   (TowardZero)
+    ) u_newton (
+      .clk_i,
+      .valid_i  (valid_q[MiddleStage-1+:MiddleLatency]),
+      .sig_i    (scale_sig_q),
+      .exact_i  (scale_one_q),
+      .inverse_o(quotient)
+    );
+    assign inexact = 1'b0;
   end
 
-  // Behind the digits.
+  // Behind the middle.
   always_ff @(posedge clk_i) begin
     automatic side_t side;
-    automatic logic [QuotBits-1:0] quotient;
     automatic logic signed [WideExpBits-1:0] exponent;
     automatic logic [QuotBits+1:0] placed;
     automatic logic [MagBits-1:0] mag;
@@ -216,8 +267,7 @@ module ti_fp_rcp #(
       // Place: the exponent is at least -1, so a subnormal result is one or two places away.  One
       // that may be flushed is rounded where it is.
       if (k == int'(PlaceStage) && valid_q[PlaceStage-1]) begin
-        side = side_q[DigitLatency];
-        quotient = quotient_q[DigitLatency];
+        side = side_q[MiddleLatency];
         exponent = side.exponent + WideExpBits'(quotient[QuotBits-1]);
         placed = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
         if (!Flush && exponent == 0) placed = placed >> 1;
@@ -230,7 +280,7 @@ module ti_fp_rcp #(
           placed[QuotBits+1] ? exponent[ExpBits-1:0] : ExpBits'(0), placed[QuotBits-:FracBits]
         };
         guard = placed[QuotBits-FracBits];
-        sticky = (|placed[QuotBits-FracBits-1:0]) || remainder_q[DigitLatency] != '0;
+        sticky = (|placed[QuotBits-FracBits-1:0]) || inexact;
         place_mag_q <= mag;
         place_guard_q <= guard;
         place_sticky_q <= sticky;

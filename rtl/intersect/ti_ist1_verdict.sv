@@ -6,15 +6,15 @@
 /// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign,
 /// |dett| exceeds |limit| by more than `CullUlps`, or |nearest| exceeds |dett| by more than that.
 /// The far end counts only where tfar, limit and 1/det are normal numbers: then t = fl(dett * fl(1/det)) > tfar for
-/// certain, as its relative error is below 3 u and each ulp is at least u = 2^-(FracBits+1) of its number.  The near end
-/// counts only where nearest is a normal number: then dett / det < tnear for certain.
+/// certain.  The near end counts only where nearest is a normal number: then dett / det < tnear for certain.
 ///
-/// Rounding toward zero, limit is less than an ulp below P = |tfar * det|, so that |dett| > limit + k ulp makes |dett| at
-/// least P (1 + u)^k.  1/det is cut by less than 2 u of itself, hence |dett| * fl(1/det) >= tfar (1 + u)^k (1 - 2 u), and
-/// that is not cut down to tfar where it reaches the next number, which is at most tfar (1 + 2 u).  k = 5 does it for
-/// FracBits >= 2.  It holds only where 1/det and t do not end at the largest number, so not for a subnormal det, nor for
-/// a tfar in the topmost binade.  |nearest| is never above |tnear * det|, so that the near end needs no guard.
-/// Where subnormals are flushed det is normal or 0, and t > tfar is normal: nothing else changes.
+/// With u = 2^-(FracBits+1), each ulp is at least u of its number and at most 2 u.  limit is less than an ulp away from
+/// P = |tfar * det|, so that |dett| > limit + k ulp makes |dett| at least P (1 + u)^k.  With H half ulps the error of the
+/// reciprocal, |dett| * fl(1/det) >= tfar (1 + u)^k (1 - H u), and that is not rounded to tfar where it reaches the next
+/// number, which is at most tfar (1 + 2 u).  k = H + 3 does it for H^2 <= 2^(FracBits+1), which `scripts/configure.py`
+/// holds.  By division H is 1 to nearest and 2 toward zero.  |nearest| is at most |tnear * det| (1 + u).
+/// Toward zero this holds only where 1/det and t do not end at the largest number: not for a subnormal det, nor for a
+/// tfar in the topmost binade.  Where subnormals are flushed det is normal or 0, and t > tfar is normal.
 /// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
 module ti_ist1_verdict #(
   parameter bit IntervalCull = 1'b1
@@ -34,7 +34,7 @@ module ti_ist1_verdict #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
   // Units in the last place by which the range test of (a) errs on the side of keeping.
-  localparam int unsigned CullUlps = ti_fp_pkg::TowardZero ? 5 : 4;
+  localparam int unsigned CullUlps = ti_fp_pkg::rcp_half_ulps(M) + 3;
 
   // What kinds of numbers these are.
   logic zero_x1, finite_x1, nan_x1, zero_x2, nan_x2, zero_x3, finite_x3, nan_x3;

@@ -12,14 +12,11 @@
 
 namespace ti::sim {
 
-#ifndef TI_TOWARD_ZERO
-#define TI_TOWARD_ZERO 0
-#endif
-#ifndef TI_FLUSH
-#define TI_FLUSH 0
-#endif
 using Model = Fp<TI_EXP_BITS, TI_FRAC_BITS,
-                 Modes{.toward_zero = TI_TOWARD_ZERO != 0, .flush = TI_FLUSH != 0}>;
+                 Modes{.toward_zero = TI_TOWARD_ZERO != 0,
+                       .flush = TI_FLUSH != 0,
+                       .rcp_table_bits = TI_TABLE_BITS,
+                       .rcp_newton_steps = TI_NEWTON_STEPS}>;
 
 enum class FpOp { Add, Sub, Mul, Rcp, Lt, Le, Eq };
 inline constexpr std::array<const char*, 7> kFpOpNames = {"add", "sub", "mul", "rcp",

@@ -23,7 +23,7 @@ namespace {
 
 /// The scene box stands off the triangles by this share of the diagonal, and by this many units in
 /// the last place of the largest coordinate. Cells and dilation keep the latter distances too: see
-/// `docs/tree.md`. Where operations round toward zero, all are twice as long.
+/// `docs/tree.md`. Where operations are off by more than half a unit all are longer.
 constexpr double kBoxPadding = 2e-6;
 constexpr double kBoxPaddingUlps = 4.0;
 constexpr double kMinCellUlps = 4.0;
@@ -64,9 +64,12 @@ KdRules make_rules(const std::vector<Corners>& triangles, const BuildOptions& op
       std::sqrt(std::pow(box.hi[0] - box.lo[0], 2) + std::pow(box.hi[1] - box.lo[1], 2) +
                 std::pow(box.hi[2] - box.lo[2], 2));
   const double ulp = rules.grid.spacing(largest);
-  // All distances are those of (8, 23) to nearest, in units of what an operation may be off.
-  const double coarser = options.format.rounding_unit() / Format{}.rounding_unit();
-  const double error = options.format.rounding_unit() * std::exp2(options.format.frac_bits + 1);
+  // All distances are those of (8, 23) in its default modes, in units of what the t of a plane may
+  // be off: a difference, an inverse and a product.
+  const double plane_error =
+      (2.0 * options.format.rounding_unit() + options.format.reciprocal_unit()) / 3.0;
+  const double coarser = plane_error / Format{}.rounding_unit();
+  const double error = plane_error * std::exp2(options.format.frac_bits + 1);
   // What the difference of a plane and an origin may lose where subnormals are flushed.
   const double lost = options.format.modes.flush ? 2.0 * options.format.least_normal() : 0.0;
   rules.min_cell =
@@ -227,6 +230,8 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   header.layout = options.layout == Layout::kOdfl ? 0 : 1;
   header.rounding = options.format.modes.toward_zero ? 1 : 0;
   header.subnormals = options.format.modes.flush ? 1 : 0;
+  header.reciprocal = static_cast<std::uint8_t>(options.format.modes.rcp_table_bits +
+                                                32 * options.format.modes.rcp_newton_steps);
   header.section_count = static_cast<std::uint32_t>(sections.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.box_lo[axis] = round_to_bits(options.format, rules.box.lo[axis]);

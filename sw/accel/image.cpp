@@ -97,6 +97,11 @@ void ImageChecker::check_header() const {
   check_bit("layout", header.layout, 48);
   check_bit("rounding", header.rounding, 49);
   check_bit("subnormals", header.subnormals, 50);
+  const Modes modes = image_.format().modes;
+  if (modes.rcp_table_bits > header.frac_bits || modes.rcp_newton_steps > 2 ||
+      (modes.rcp_table_bits == 0 && modes.rcp_newton_steps > 0)) {
+    fail("reciprocal " + std::to_string(header.reciprocal) + " at byte 51 is none of the format");
+  }
 }
 
 void ImageChecker::check_kinds() const {
@@ -291,7 +296,10 @@ const ImageHeader& Image::header() const {
 Format Image::format() const {
   return {header().exp_bits,
           header().frac_bits,
-          {.toward_zero = header().rounding == 1, .flush = header().subnormals == 1}};
+          {.toward_zero = header().rounding == 1,
+           .flush = header().subnormals == 1,
+           .rcp_table_bits = header().reciprocal % 32,
+           .rcp_newton_steps = header().reciprocal / 32}};
 }
 
 std::span<const ImageNode> Image::nodes() const {

@@ -45,7 +45,7 @@ struct ImageHeader {
   std::uint8_t layout = 0;      ///< 0 ODFL, 1 DFL
   std::uint8_t rounding = 0;    ///< of operations: 0 to nearest even, 1 toward zero
   std::uint8_t subnormals = 0;  ///< 0 kept, 1 flushed
-  std::uint8_t reserved0 = 0;
+  std::uint8_t reciprocal = 0;  ///< 0 division, else bits of the index of a seed + 32 * steps
   std::uint32_t section_count = 0;
   std::array<std::uint32_t, 2> reserved1{};
 };

@@ -97,10 +97,13 @@ Config load_config(const std::filesystem::path& path) {
   config.json = json.dump();
   std::apply([&](const auto&... rule) { (reader.read(rule, config), ...); }, kConfigRules);
   reader.end();
+  const bool newton = config.reciprocal == Reciprocal::kNewton;
   config.format = {config.exp_bits,
                    config.frac_bits,
                    {.toward_zero = config.rounding == Rounding::kZero,
-                    .flush = config.subnormals == Subnormals::kFlush}};
+                    .flush = config.subnormals == Subnormals::kFlush,
+                    .rcp_table_bits = newton ? config.rcp_table_bits : 0,
+                    .rcp_newton_steps = newton ? config.rcp_newton_steps : 0}};
   return config;
 }
 

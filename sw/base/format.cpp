@@ -11,6 +11,10 @@ double Format::rounding_unit() const {
   return std::ldexp(1.0, modes.toward_zero ? -frac_bits : -frac_bits - 1);
 }
 
+double Format::reciprocal_unit() const {
+  return std::ldexp(static_cast<double>(reciprocal_half_ulps()), -frac_bits - 1);
+}
+
 double Format::least_normal() const { return std::ldexp(1.0, 1 - bias()); }
 
 double Format::underflow_unit() const {
@@ -27,6 +31,9 @@ std::string name_of(const Format& format) {
   };
   if (format.modes.toward_zero) add("toward zero");
   if (format.modes.flush) add("flushed");
+  if (format.modes.rcp_table_bits > 0)
+    add(std::to_string(format.modes.rcp_newton_steps) + " steps from " +
+        std::to_string(format.modes.rcp_table_bits) + " bits");
   return text;
 }
 

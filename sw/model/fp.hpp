@@ -18,7 +18,7 @@ namespace ti {
 /// infinity, or the largest number where operations round toward zero; any NaN reads back as the
 /// one quiet NaN (sign 0, fraction 10...0). With `flush` a subnormal operand is zero of its sign,
 /// and so is a result that is below the least normal number after rounding as if exponents had no
-/// end.
+/// end. A reciprocal by Newton steps is off by what `Format::reciprocal_half_ulps` says.
 ///
 /// The value is held as a `float`, in which every number of every format is exact. Operations are
 /// native ones: in `float` for (8, 23) in its default modes; otherwise in `double`, then rounded to
@@ -53,8 +53,12 @@ class FpNumber {
   static constexpr auto kInfBits = Source::kInfBits;  ///< of +infinity
   static constexpr auto kNanBits = Source::kNanBits;
 
-  /// How operations round, and what they do near zero.
+  [[nodiscard]] static constexpr const Format& format() { return rules().format; }
   [[nodiscard]] static constexpr const Modes& modes() { return rules().format.modes; }
+  /// `Format::reciprocal_half_ulps`.
+  [[nodiscard]] static constexpr std::uint32_t reciprocal_half_ulps() {
+    return static_cast<std::uint32_t>(rules().reciprocal_half_ulps);
+  }
 
   /// +0.
   constexpr FpNumber() = default;
@@ -135,9 +139,11 @@ class FpNumber {
   }
   [[nodiscard]] FpNumber operator-() const { return FpNumber(-value_); }
 
-  /// 1 / x correctly rounded; 1/0 and 1/infinity are infinity and 0 with the sign of x.
+  /// 1 / x, correctly rounded unless it is found by Newton steps; 1/0 and 1/infinity are infinity
+  /// and 0 with the sign of x.
   [[nodiscard]] friend FpNumber reciprocal(FpNumber x) {
     if constexpr (kNative) return FpNumber(1.0f / x.value_);
+    if (modes().rcp_table_bits > 0) return FpNumber(rules().newton(x.wide()));
     const double quotient = 1.0 / x.wide();
     if (!modes().toward_zero) return FpNumber(rules().nearest(quotient));
     return FpNumber(rules().toward_zero(quotient, quotient * x.wide() > 1.0 ? -quotient : 0.0));

@@ -22,7 +22,8 @@ class FpRules {
         rebias(static_cast<std::uint32_t>(127 - of.bias()) << 23),
         least_normal(pow2(1 - of.bias())),
         quantum(pow2(1 - of.bias() - of.frac_bits)),
-        quanta(pow2(of.bias() + of.frac_bits - 1)) {}
+        quanta(pow2(of.bias() + of.frac_bits - 1)),
+        reciprocal_half_ulps(of.reciprocal_half_ulps()) {}
 
   Format format;
   std::uint32_t sign_bit;
@@ -32,6 +33,7 @@ class FpRules {
   double least_normal;
   double quantum;  ///< least subnormal
   double quanta;   ///< in 1
+  int reciprocal_half_ulps;
 
   /// `value` rounded to nearest even. The float is exact.
   [[nodiscard]] constexpr float nearest(double value) const { return round(value, false); }
@@ -47,7 +49,41 @@ class FpRules {
     return round(value, true);
   }
 
+  /// 1 / x by Newton steps from a table of seeds, where the format has one; x a number or zero as
+  /// operations see it.
+  ///
+  /// Bit-exact model of `ti_fp_newton`: x = X 2^-M in [1, 2) is inverted as Y 2^-(M+3) in [1/2, 1).
+  /// A step is Y := Y E 2^-(M+3) cut off, plus 1 to nearest, with E = 2^(M+4) - 1 - X Y 2^-M cut
+  /// off; below one half it is one half. Then Y is rounded as any result. Powers of two are exact.
+  [[nodiscard]] constexpr float newton(double x) const {
+    const int m = format.frac_bits;
+    const int k = format.modes.rcp_table_bits;
+    const std::uint64_t image = std::bit_cast<std::uint64_t>(size(x));
+    const std::uint64_t fraction = (image & ((std::uint64_t{1} << 52) - 1)) >> (52 - m);
+    if (fraction == 0 || !(size(x) < std::numeric_limits<double>::infinity()))
+      return rounded(1.0 / x);
+    const std::uint64_t sig = std::uint64_t{1} << m | fraction;
+    std::uint64_t y = seed(k, fraction >> (m - k)) << (m + 2 - k);
+    for (int step = 0; step < format.modes.rcp_newton_steps; ++step) {
+      const std::uint64_t e = (std::uint64_t{1} << (m + 4)) - 1 - (sig * y >> m);
+      y = (y * e >> (m + 3)) + (format.modes.toward_zero ? 0 : 1);
+      if (y >> (m + 2) == 0) y = std::uint64_t{1} << (m + 2);
+    }
+    const int exponent = static_cast<int>(image >> 52) - 1023;
+    return rounded(signed_like(static_cast<double>(y) * pow2(-exponent - m - 3), x));
+  }
+
  private:
+  /// The inverse of the middle of the interval with that index, in units of 2^-(k+1).
+  static constexpr std::uint64_t seed(int k, std::uint64_t index) {
+    const std::uint64_t middle = (std::uint64_t{1} << (k + 1)) + 2 * index + 1;
+    return ((std::uint64_t{1} << (2 * k + 3)) + middle) / (2 * middle);
+  }
+  /// `value`, which is exact, rounded as operations do.
+  [[nodiscard]] constexpr float rounded(double value) const {
+    return round(value, format.modes.toward_zero);
+  }
+
   /// 2^exponent, exact, for normal doubles.
   static constexpr double pow2(int exponent) {
     return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
@@ -67,7 +103,7 @@ class FpRules {
       const double rounded =
           truncate ? static_cast<double>(static_cast<std::uint32_t>(magnitude * quanta)) * quantum
                    : (magnitude + shift) - shift;
-      return signed_like(rounded, value);
+      return static_cast<float>(signed_like(rounded, value));
     }
     if (magnitude != magnitude) return std::numeric_limits<float>::quiet_NaN();
     std::uint64_t image = std::bit_cast<std::uint64_t>(magnitude);
@@ -79,12 +115,11 @@ class FpRules {
       image = truncate && finite ? largest : std::uint64_t{0x7ff} << 52;
     }
     const double rounded = std::bit_cast<double>(image);
-    return signed_like(flush && rounded < least_normal ? 0.0 : rounded, value);
+    return static_cast<float>(signed_like(flush && rounded < least_normal ? 0.0 : rounded, value));
   }
-  static constexpr float signed_like(double magnitude, double value) {
+  static constexpr double signed_like(double magnitude, double value) {
     const std::uint64_t sign = std::bit_cast<std::uint64_t>(value) & (std::uint64_t{1} << 63);
-    return static_cast<float>(
-        std::bit_cast<double>(std::bit_cast<std::uint64_t>(magnitude) | sign));
+    return std::bit_cast<double>(std::bit_cast<std::uint64_t>(magnitude) | sign);
   }
 };
 

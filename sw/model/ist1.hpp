@@ -17,11 +17,11 @@ struct TestRange {
   F far;
 };
 
-/// Units in the last place by which the range test of pass (a) errs on the side of keeping; 5 where
-/// operations round toward zero. `ti_ist1_verdict` has the proof.
+/// Units in the last place by which the range test of pass (a) errs on the side of keeping.
+/// `ti_ist1_verdict` has the proof.
 template <class F>
 [[nodiscard]] std::uint32_t cull_ulps() {
-  return F::modes().toward_zero ? 5 : 4;
+  return F::reciprocal_half_ulps() + 3;
 }
 
 /// What pass (a) leaves for pass (b).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -51,11 +52,24 @@ struct Origins {
   Vec3<F> least, most;
 };
 
-/// Places by which the exponent of the farthest plane of the scene box goes down to that of the
-/// thickness of a ray: 32 u of that distance, u being 2^-(M+1), or 2^-M toward zero.
+/// Places by which the exponent of the distance A of the farthest plane of the scene box goes down
+/// to that of the thickness of a ray.
+///
+/// What that covers, in units of u A with u = 2^-(M+1), where an operation is wrong by a units (1
+/// to nearest, 2 toward zero) and a reciprocal by H (its half ulps):
+/// - a corner as Woop's test sees it, 6 a + H: the difference a; the shear, of its constant H + a,
+///   the way along z a, the product a, the last difference, of at most 2 A, 2 a;
+/// - its way along z, 2 a + H: difference, inverse, product;
+/// - t from weights and ways, 7 a + H: the products and sums of det and depth, the reciprocal, two
+///   products;
+/// - a plane of the tree, 2 a + H: difference, inverse, product.
+/// In sum 17 a + 4 H, 21 by division to nearest; the thickness is the power of two that is not
+/// less.
 template <class F>
 [[nodiscard]] std::uint32_t thickness_places() {
-  const int places = F::kFracBits - (F::modes().toward_zero ? 5 : 4);
+  const std::uint32_t covered =
+      (F::modes().toward_zero ? 34U : 17U) + 4U * F::reciprocal_half_ulps();
+  const int places = F::kFracBits + 1 - std::bit_width(covered - 1U);
   return static_cast<std::uint32_t>(places > 0 ? places : 0);
 }
 
@@ -80,10 +94,8 @@ template <class F>
 /// Bit-exact model of `ti_rd_thick`. The distance A is the largest |plane - o| of the scene box;
 /// the thickness has the fraction of A and an exponent `thickness_places` lower, at least that of
 /// the least normal number; each component of the origins is o -+ thickness, rounded, then moved
-/// outward by one more ulp. What that covers, in units of u A: a corner as Woop's
-/// test sees it 7 (difference 1, shear 6), its way along z 3, t by weights, reciprocal and two
-/// products 8, a plane of the tree 3; 21 of 32. Where numbers are subnormal each of these is half
-/// the least of them, and the thickness 2^M of it.
+/// outward by one more ulp. Where numbers are subnormal each error is half the least of them, and
+/// the thickness 2^M of it.
 template <class F>
 [[nodiscard]] Origins<F> thick_origins(const Box<F>& box, const Vec3<F>& o, const Vec3<F>& d) {
   std::uint32_t farthest = 0;
@@ -120,11 +132,11 @@ struct Clipped {
   Shear<F> shear;  ///< of Woop's test
 };
 
-/// Units in the last place by which the interval of a ray grows at each end: 4, which covers three
-/// roundings to nearest, or 8 where operations round toward zero. `ti_rd_clip` has the proof.
+/// Units in the last place by which the interval of a ray grows at each end. `ti_rd_clip` has the
+/// proof.
 template <class F>
 [[nodiscard]] std::uint32_t outward_ulps() {
-  return F::modes().toward_zero ? 8 : 4;
+  return F::reciprocal_half_ulps() + (F::modes().toward_zero ? 6 : 3);
 }
 
 /// Set-up of a ray: inverse direction and the interval inside the scene box, moved outward.

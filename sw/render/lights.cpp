@@ -82,8 +82,10 @@ Lights::End Lights::end_of(std::size_t i, const glm::vec3& origin, Format format
   // off by 6 units (docs/tree.md). 16 hold all of it, projected on a ray that meets the wall at an
   // angle above 15 degrees.
   const double unit = 2.0 * format.rounding_unit();
+  // And its reciprocal by what that is off more than another operation.
+  const double off = 2.0 * (format.reciprocal_unit() - format.rounding_unit());
   const double share = 16.0 * unit * (reach.x + reach.y + reach.z) / (size.x + size.y + size.z);
-  return {.d = d, .tmax = static_cast<float>(1.0 - std::min(0.5, share + 8.0 * unit))};
+  return {.d = d, .tmax = static_cast<float>(1.0 - std::min(0.5, share + 8.0 * unit + off))};
 }
 
 std::optional<Lights::Point> Lights::sample(const glm::dvec3& from, const glm::dvec2& u) const {

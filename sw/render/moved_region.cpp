@@ -37,7 +37,7 @@ struct MovedRegion::Impl {
 MovedRegion::MovedRegion(const Mesh& before, const Mesh& after, const Change& change,
                          const Box& reach, Format format)
     : impl_(std::make_unique<Impl>()) {
-  impl_->share = kWide * format.rounding_unit();
+  impl_->share = kWide * std::max(format.rounding_unit(), format.reciprocal_unit());
   const double lost = format.modes.flush ? kWide * format.least_normal() : 0.0;
   double largest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -14,11 +14,11 @@ namespace ti {
 /// where they are.
 ///
 /// Each box is wider by 128 u of the largest coordinate that the scene reaches, u the largest
-/// relative error of an operation, far more than what an engine, its rounded rays and the dilation
-/// of its tree can be off; and by as many least normal numbers where subnormals are flushed. So
-/// the answer for a ray that meets no box is the same in both frames; only where the ray lies in
-/// the plane of a moved triangle, or two triangles that stand still lie within the error of t of
-/// one another, may rounding decide otherwise (Grazing and Tie of `docs/truth.md`).
+/// relative error of an operation or a reciprocal, far more than what an engine, its rounded rays
+/// and the dilation of its tree can be off; and by as many least normal numbers where subnormals
+/// are flushed. So the answer for a ray that meets no box is the same in both frames; only where
+/// the ray lies in the plane of a moved triangle, or two triangles that stand still lie within the
+/// error of t of one another, may rounding decide otherwise (Grazing and Tie of `docs/truth.md`).
 class MovedRegion {
  public:
   MovedRegion(const Mesh& before, const Mesh& after, const Change& change, const Box& reach,

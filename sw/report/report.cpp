@@ -312,6 +312,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["format"] = {format.exp_bits, format.frac_bits};
   json["rounding"] = format.modes.toward_zero ? "zero" : "nearest";
   json["subnormals"] = format.modes.flush ? "flush" : "keep";
+  json["reciprocal"] = format.modes.rcp_table_bits > 0 ? "newton" : "division";
   json["triangles"] = session.tree().triangles;
   json["tree"] = tree_json(session);
   json["image_bytes"] = session.image().bytes().size();

@@ -146,6 +146,11 @@ TEST_CASE("image: with a right checksum, every rule about the contents still hol
   CHECK(refused(parts.bary_offset, 0xFF800000U));
   CHECK(refused(16, 0x01011709U));  // exponent bits 9
   CHECK(refused(48, 2));            // layout 2
+  CHECK(refused(48, 2U << 8U));     // rounding 2
+  CHECK(refused(48, 2U << 16U));    // subnormals 2
+  CHECK(refused(48, 24U << 24U));   // seeds of 24 bits, but 23 of fraction
+  CHECK(refused(48, 32U << 24U));   // a Newton step without seeds
+  CHECK_FALSE(refused(48, 0x47010101U));
   for (std::size_t section = 0; section < 4; ++section) {
     for (const std::uint32_t word : {0U, 64U, 129U, image.header().size_bytes, 0xFFFFFF80U}) {
       CHECK(refused(entry(section) + offsetof(ImageSection, offset), word));

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,13 +20,21 @@
 namespace ti {
 namespace {
 
-/// `claim()` in the scope of each small format and mode.
+/// `claim()` in the scope of each small format and mode, and of each reciprocal that is allowed.
 template <typename Claim>
 void in_all_modes(Claim claim) {
-  for (const auto& [e, m] : {std::pair{3, 2}, std::pair{3, 4}, std::pair{4, 3}}) {
-    for (const bool toward_zero : {false, true}) {
-      for (const bool flush : {false, true}) {
-        const Format format{e, m, {.toward_zero = toward_zero, .flush = flush}};
+  for (const auto& [e, m] : {std::pair{3, 2}, std::pair{4, 3}}) {
+    for (int mode = 0; mode < 4; ++mode) {
+      for (const auto& [k, steps] : {std::pair{0, 0}, std::pair{m, 1}, std::pair{2, 2}}) {
+        const Format format{e,
+                            m,
+                            {.toward_zero = (mode & 1) != 0,
+                             .flush = (mode & 2) != 0,
+                             .rcp_table_bits = k,
+                             .rcp_newton_steps = steps}};
+        const int half_ulps = format.reciprocal_half_ulps();
+        if (half_ulps * half_ulps > 2 << m) continue;  // `scripts/configure.py` refuses it
+        if (k > 0 && format.modes.flush) continue;     // the one has no part in the other
         CAPTURE(name_of(format));
         const FpRules rules(format);
         const FormatScope scope(rules);
@@ -108,6 +117,63 @@ TEST_CASE("modes: the t of a plane, moved outward, is not before the plane") {
     CHECK(looked > 1000);
   });
 }
+
+/// The worst error of reciprocals by Newton steps, in units in the last place, as `docs/fp.md` has
+/// it.
+struct Measured {
+  int frac_bits, table_bits, steps;
+  double nearest, zero;
+};
+constexpr Measured kMeasured[] = {
+    {10, 10, 0, 1.434, 1.434}, {10, 7, 1, 0.714, 1.217},  {13, 7, 1, 1.048, 1.516},
+    {16, 7, 1, 4.482, 4.777},  {16, 8, 1, 1.587, 2.017},  {16, 10, 1, 0.756, 1.277},
+    {16, 5, 2, 0.750, 1.241},  {20, 10, 1, 1.654, 2.157}, {20, 7, 2, 0.750, 1.248},
+    {23, 12, 1, 1.246, 1.782}, {23, 10, 1, 8.945, 9.486}, {23, 7, 2, 0.750, 1.248},
+};
+
+/// Over every `stride`-th significand.
+double worst_error(const Format& format, std::uint32_t stride) {
+  const FpRules rules(format);
+  const FormatScope scope(rules);
+  const std::uint32_t one = static_cast<std::uint32_t>(format.bias()) << format.frac_bits;
+  double worst = 0.0;
+  for (std::uint32_t fraction = 0; fraction < 1U << format.frac_bits; fraction += stride) {
+    const AnyFp x = AnyFp::from_bits(one | fraction);
+    // Both are exact: the product has at most 48 bits, and what is left of it is near 0.
+    const double relative = reciprocal(x).to_double() * x.to_double() - 1.0;
+    const double unit = std::ldexp(1.0, -format.frac_bits - 1);  // of the inverse, in [1/2, 1)
+    worst = std::max(worst, std::abs(relative) / x.to_double() / unit);
+  }
+  return worst;
+}
+
+/// Every significand of up to `most` bits, 2^16 of longer ones.
+void check_measured(int most) {
+  for (const Measured& m : kMeasured) {
+    for (const bool toward_zero : {false, true}) {
+      const Format format{8,
+                          m.frac_bits,
+                          {.toward_zero = toward_zero,
+                           .rcp_table_bits = m.table_bits,
+                           .rcp_newton_steps = m.steps}};
+      CAPTURE(name_of(format));
+      const bool all = m.frac_bits <= most;
+      const double worst = worst_error(format, all ? 1 : (1U << (m.frac_bits - 16)) - 1);
+      const double measured = toward_zero ? m.zero : m.nearest;
+      INFO("worst error " << worst << ", bound " << format.reciprocal_half_ulps() / 2);
+      CHECK(worst <= measured);
+      CHECK((!all || worst > measured - 0.001));
+      CHECK(2.0 * measured <= format.reciprocal_half_ulps());
+      CHECK(2.0 * measured > format.reciprocal_half_ulps() - 6);
+    }
+  }
+}
+
+TEST_CASE("modes: reciprocals by Newton steps are as good as they were measured") {
+  check_measured(16);
+}
+
+TEST_CASE("modes: the same for every significand" * doctest::skip()) { check_measured(23); }
 
 }  // namespace
 }  // namespace ti

@@ -92,7 +92,7 @@ bool is_crack(const ExactTracer& exact, const Mesh& mesh, const Format& format, 
   const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 side = glm::normalize(glm::cross(d, other));
   const glm::dvec3 up = glm::cross(d, side);
-  const double reach = 10.0 * format.rounding_unit() * farthest;
+  const double reach = (8.0 * format.rounding_unit() + 2.0 * format.reciprocal_unit()) * farthest;
   const double diagonal = std::sqrt(0.5);
   const std::array<std::array<double, 2>, 8> ways{{{1, 0},
                                                    {0, 1},

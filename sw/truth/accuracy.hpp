@@ -34,7 +34,8 @@ struct HitErrors {
 constexpr std::size_t kMostErrors = std::size_t{1} << 20;
 
 /// Whether a miss of `ray`, whose exact hit has distance t, is a crack: the exact ray hits, and so
-/// does every one of 56 rays moved sideways, in 8 directions by up to 10 u A: so far the test may
+/// does every one of 56 rays moved sideways, in 8 directions by up to (8 u + 2 r) A, u the
+/// error of an operation and r that of a reciprocal: so far the test may
 /// see a corner moved, and with it the outline of the mesh. A is the distance of the farthest
 /// corner of the box of `mesh` from the origin of the ray. Between the 56 an outline may be
 /// overlooked, so there may be fewer cracks than are counted, and not more.

@@ -48,6 +48,7 @@ Point normal(const Corners& triangle) {
 BoundedOps::BoundedOps(Format format)
     : u_(format.rounding_unit() + kDoubleUnit),
       stored_u_(std::ldexp(1.0, -format.frac_bits - 1) + kDoubleUnit),
+      reciprocal_u_(std::max(2.0 * u_, format.reciprocal_unit() + kDoubleUnit)),
       eta_(format.underflow_unit()),
       sum_eta_(format.modes.flush ? eta_ : 0.0),
       max_(std::ldexp(2.0 - std::ldexp(1.0, -format.frac_bits), format.bias())),
@@ -89,7 +90,7 @@ Bounded BoundedOps::reciprocal(Bounded a) const {
   }
   const double v = 1.0 / a.v;
   const double e = a.e / (std::abs(a.v) * least);
-  return ranged({v, e + 2.0 * u_ * (std::abs(v) + e) + eta_});
+  return ranged({v, e + reciprocal_u_ * (std::abs(v) + e) + eta_});
 }
 
 std::optional<TestConstants> test_constants(const Corners& triangle, Format format, TestKind test) {
@@ -187,7 +188,8 @@ TestBand woop_band(const BoundedOps& ops, const Corners& corners, const Ray& ray
   return band;
 }
 
-/// Static form of `woop_band`: a corner as seen is wrong by at most 7 u A, A the largest |p - o|.
+/// Static form of `woop_band`: a corner as seen is wrong by at most 6 u A and the error of a
+/// reciprocal, A the largest |p - o|.
 bool may_meet_woop(const BoundedOps& ops, const Corners& corners, const Ray& ray) {
   const int iz = largest_axis(ray.d);
   const int ix = (iz + 1) % 3;
@@ -212,7 +214,7 @@ bool may_meet_woop(const BoundedOps& ops, const Corners& corners, const Ray& ray
       1.0 / std::abs(double{ray.d[iz]}) < ops.eta() * 0x1p26) {
     return true;
   }
-  const double seen = 2.0 * 7.0 * ops.u() * far + 32.0 * ops.eta();
+  const double seen = 2.0 * (6.0 * ops.u() + ops.reciprocal_u()) * far + 32.0 * ops.eta();
   const double tolerance = 4.0 * (seen + ops.u() * wide) * (wide + seen) + 32.0 * ops.eta();
   bool plus = true;
   bool minus = true;
@@ -265,8 +267,9 @@ TestBand test_band(const BoundedOps& ops, const TestConstants& tri, const Ray& r
     const bool opposite =
         (detu.lo() > 0.0 && detv.hi() < 0.0) || (detu.hi() < 0.0 && detv.lo() > 0.0);
     const bool outside = std::abs(sum.v) - sum.e > std::abs(det.v) + det.e;
-    const double least_t =
-        (std::abs(dett.v) - dett.e) / (std::abs(det.v) + det.e) * (1.0 - 8.0 * ops.u()) - ops.eta();
+    const double least_t = (std::abs(dett.v) - dett.e) / (std::abs(det.v) + det.e) *
+                               (1.0 - 6.0 * ops.u() - ops.reciprocal_u()) -
+                           ops.eta();
     band.possible = !opposite && !outside && (ops.saturates() || !(least_t > ops.max()));
     band.grazing = true;
     band.t = band.u = band.v = {0.0, kInf};

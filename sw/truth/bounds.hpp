@@ -27,7 +27,8 @@ struct Bounded {
 /// for every M, and the rounding of the doubles that carry them is included. A value that may leave
 /// the range has e = inf.
 ///
-/// u is 2^-(M+1) to nearest and 2^-M toward zero. eta is that share of the least normal number
+/// u is 2^-(M+1) to nearest and 2^-M toward zero; a reciprocal adds an ulp, or what Newton steps
+/// leave. eta is that share of the least normal number
 /// where subnormals are kept: then sums below it are exact. Where they are flushed it is the least
 /// normal number itself, and sums add it too. Constants are rounded to nearest in every mode.
 class BoundedOps {
@@ -38,9 +39,10 @@ class BoundedOps {
   [[nodiscard]] Bounded add(Bounded a, Bounded b) const;
   [[nodiscard]] Bounded sub(Bounded a, Bounded b) const { return add(a, {-b.v, b.e}); }
   [[nodiscard]] Bounded mul(Bounded a, Bounded b) const;
-  [[nodiscard]] Bounded reciprocal(Bounded a) const;  ///< good to 1 ulp; e = inf when `a` may be 0
+  [[nodiscard]] Bounded reciprocal(Bounded a) const;  ///< 1 ulp or more; e = inf when `a` may be 0
 
   [[nodiscard]] double u() const { return u_; }
+  [[nodiscard]] double reciprocal_u() const { return reciprocal_u_; }
   [[nodiscard]] double eta() const { return eta_; }
   [[nodiscard]] bool saturates() const { return saturates_; }  ///< at the largest number
   [[nodiscard]] double max() const { return max_; }
@@ -48,7 +50,7 @@ class BoundedOps {
  private:
   [[nodiscard]] Bounded ranged(Bounded a) const;
 
-  double u_, stored_u_, eta_, sum_eta_, max_;
+  double u_, stored_u_, reciprocal_u_, eta_, sum_eta_, max_;
   bool saturates_;
 };
 

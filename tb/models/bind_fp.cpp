@@ -30,12 +30,13 @@ void bind_fp(nb::module_& module) {
   nb::class_<Format>(module, "Format", "A number format with its modes.")
       .def(
           "__init__",
-          [](Format* self, int e, int m, bool toward_zero, bool flush) {
+          [](Format* self, int e, int m, bool toward_zero, bool flush, int table_bits, int steps) {
             if (e < 3 || e > 8 || m < 2 || m > 23) throw nb::value_error("from (3, 2) to (8, 23)");
-            new (self) Format{e, m, {.toward_zero = toward_zero, .flush = flush}};
+            new (self) Format{e, m, {toward_zero, flush, table_bits, table_bits > 0 ? steps : 0}};
           },
           nb::arg("exp_bits"), nb::arg("frac_bits"), nb::arg("toward_zero") = false,
-          nb::arg("flush") = false)
+          nb::arg("flush") = false, nb::arg("table_bits") = 0, nb::arg("newton_steps") = 0)
+      .def_prop_ro("reciprocal_half_ulps", &Format::reciprocal_half_ulps)
       .def("__repr__", &name_of);
   bind_binary(module, "fp_add", [](auto a, auto b) { return (a + b).bits(); });
   bind_binary(module, "fp_sub", [](auto a, auto b) { return (a - b).bits(); });

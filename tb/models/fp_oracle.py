@@ -22,6 +22,8 @@ class Oracle:
     frac_bits: int
     toward_zero: bool = False
     flush: bool = False
+    table_bits: int = 0  # of the index into the seeds of a reciprocal; 0: correctly rounded
+    newton_steps: int = 0
 
     @property
     def width(self):
@@ -102,7 +104,31 @@ class Oracle:
         return self.bits(self.context.mul(self.value(a), self.value(b)))
 
     def rcp(self, a):
-        return self.bits(self.context.div(gmpy2.mpfr(1), self.value(a)))
+        value = self.value(a)
+        if self.table_bits and gmpy2.is_finite(value) and not gmpy2.is_zero(value):
+            return self.newton(value)
+        return self.bits(self.context.div(gmpy2.mpfr(1), value))
+
+    def newton(self, value):
+        """The image of 1 / value by the rule of docs/fp.md, rounded by MPFR at last."""
+        m, k = self.frac_bits, self.table_bits
+        numerator, denominator = abs(value).as_integer_ratio()
+        exponent = numerator.bit_length() - denominator.bit_length()
+        x = (numerator << m + max(0, -exponent)) // (denominator << max(0, exponent))
+        y = (1 << m + 3) if x == 1 << m else self._newton_steps(x, m, k)
+        inverse = gmpy2.div_2exp(_WIDE.mul_2exp(gmpy2.mpfr(y, 64), 1024), 1024 + m + 3)
+        inverse = gmpy2.div_2exp(gmpy2.mul_2exp(inverse, 1024), 1024 + exponent)
+        inverse = -inverse if gmpy2.is_signed(value) else inverse
+        return self.bits(self.context.mul(inverse, gmpy2.mpfr(1)))
+
+    def _newton_steps(self, x, m, k):
+        middle = gmpy2.mpq(2 * (x >> m - k) + 1, 2 << k)  # of the interval, between 1 and 2
+        y = int(gmpy2.mpq(2 << k) / middle + gmpy2.mpq(1, 2)) << m + 2 - k
+        for _ in range(self.newton_steps):
+            factor = 2 * (1 << m + 3) - 1 - x * y // (1 << m)
+            y = y * factor // (1 << m + 3) + (not self.toward_zero)
+            y = max(y, 1 << m + 2)
+        return y
 
     def lt(self, a, b):
         return int(self.value(a) < self.value(b))

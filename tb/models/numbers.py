@@ -11,13 +11,13 @@ from models.payload import payloads
 class Numbers:
     """Images of a format with its modes, and the model's functions on it."""
 
-    def __init__(self, exp_bits, frac_bits, toward_zero=False, flush=False):
-        self.oracle = Oracle(exp_bits, frac_bits, toward_zero, flush)
+    def __init__(self, exp_bits, frac_bits, *modes):
+        self.oracle = Oracle(exp_bits, frac_bits, *modes)
         self.inf, self.nan, self.sign = self.oracle.inf, self.oracle.nan, self.oracle.sign
         self.width, self.bias, self.frac_bits = self.oracle.width, self.oracle.bias, frac_bits
         self.one = self.bias << frac_bits
         self.specials = [self.entering(bits) for bits in self.oracle.specials()]
-        self.format = ti_model.Format(exp_bits, frac_bits, toward_zero, flush)
+        self.format = ti_model.Format(exp_bits, frac_bits, *modes)
 
     def of(self, value):
         """Bits of the number nearest to a float."""

@@ -53,8 +53,9 @@ class Payloads:
 
     @property
     def format(self):
-        """(exponent bits, fraction bits, whether toward zero, whether flushed)."""
-        return tuple(self._constants[k] for k in ("ExpBits", "FracBits", "TowardZero", "Flush"))
+        """As `Oracle` takes it: bits of exponent and fraction, modes, table bits, Newton steps."""
+        names = ("ExpBits", "FracBits", "TowardZero", "Flush", "RcpTableBits", "RcpNewtonSteps")
+        return tuple(self._constants[name] for name in names)
 
     def width(self, name):
         return _width(self._types[name])

@@ -13,9 +13,10 @@ from models.fp_oracle import Oracle
 
 
 def oracle_of(dut):
-    parameters = (dut.ExpBits, dut.FracBits, dut.TowardZero, dut.Flush)
-    exp_bits, frac_bits, *modes = (int(parameter.value) for parameter in parameters)
-    return Oracle(exp_bits, frac_bits, *map(bool, modes))
+    names = ["ExpBits", "FracBits", "TowardZero", "Flush"]
+    if dut._name == "ti_fp_rcp":
+        names += ["TableBits", "NewtonSteps"]
+    return Oracle(*(int(getattr(dut, name).value) for name in names))
 
 
 # A format for each way to round and to be near zero, other than by default.
@@ -67,6 +68,9 @@ def text(case):
 
 def latency(dut):
     """What the parameters ask for, as `ti_fp_pkg` has it."""
+    if dut._name == "ti_fp_rcp" and int(dut.TableBits.value):
+        products = 2 * int(dut.NewtonSteps.value)
+        return int(dut.EndStages.value) + 1 + products * int(dut.ProductStages.value)
     if dut._name == "ti_fp_rcp":
         bits = int(dut.BitsPerStage.value)
         return int(dut.EndStages.value) + (int(dut.FracBits.value) + 1 + bits) // bits

@@ -109,6 +109,25 @@ def test_an_adder_deeper_than_the_reciprocal_is_named(tmp_path):
     refused(script("tiny", *values, "--out", out), out, sentence)
 
 
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        (["frac_bits=5", "rcp_table_bits=6"], "rcp_table_bits is 6, but must be at most frac_bits"),
+        (
+            ["rcp_table_bits=12", "rcp_newton_steps=0"],
+            "rcp_table_bits 12 and rcp_newton_steps 0 leave an error of up to 3073 units",
+        ),
+        (
+            ["rcp_newton_steps=0", "frac_bits=7", "fp_add_stages=4", "fp_rcp_end_stages=2"],
+            "fp_add_stages is 4, but must be at most the stages of the reciprocal, 3",
+        ),
+    ],
+)
+def test_a_reciprocal_by_newton_steps_that_is_impossible_is_named(values, sentence, tmp_path):
+    out = tmp_path / "config"
+    refused(script("tiny", "reciprocal=newton", *values, "--out", out), out, sentence)
+
+
 @pytest.mark.parametrize("pair", [*SCHEMA.formats, (3, 2), (3, 23), (8, 2)], ids=str)
 @pytest.mark.parametrize("modes", [[], ["rounding=zero", "subnormals=flush"]], ids=str)
 def test_every_format_is_taken_in_every_mode(pair, modes):
@@ -123,6 +142,8 @@ def test_the_guard_of_an_interval_follows_the_rounding_unless_it_is_given(tmp_pa
 
     (tmp_path / "one.yaml").write_text("interval_guard: 1\n")
     assert (guard(), guard("rounding=zero")) == (4, 8)
+    assert guard("reciprocal=newton") == 5
+    assert guard("reciprocal=newton", "rcp_table_bits=10", "rcp_newton_steps=1") == 23
     assert guard("rounding=zero", "interval_guard=4") == 4
     assert guard("rounding=zero", file=tmp_path / "one.yaml") == 1
 

@@ -59,3 +59,23 @@ def test_the_model_in_every_mode(exp_bits, frac_bits, toward_zero, flush):
             assert got == want, f"{number_format} {name} {a:x} {b:x}: MPFR {want:x}, model {got:x}"
         want, got = oracle.rcp(a), ti_model.fp_rcp(number_format, a)
         assert got == want, f"{number_format} rcp {a:x}: MPFR {want:x}, model {got:x}"
+
+
+# Bits of exponent and fraction, whether toward zero and flushed, table bits, Newton steps.
+NEWTON = [
+    (3, 2, False, False, 2, 2),
+    (5, 10, False, False, 9, 0),
+    (7, 16, False, True, 8, 1),
+    (8, 23, False, False, 7, 2),
+    (8, 23, True, False, 12, 1),
+    (6, 12, True, True, 4, 2),
+]
+
+
+@pytest.mark.parametrize("numbers", NEWTON, ids=lambda n: "-".join(map(str, n)))
+def test_the_model_by_newton_steps(numbers):
+    oracle, number_format = Oracle(*numbers), ti_model.Format(*numbers)
+    rng = random.Random(SEED)
+    for a in [*oracle.specials(), *(rng.getrandbits(oracle.width) for _ in range(3000))]:
+        want, got = oracle.rcp(a), ti_model.fp_rcp(number_format, a)
+        assert got == want, f"{number_format} rcp {a:x}: {want:x}, model {got:x}"

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`ti_fp_rcp` gives the rounded 1 / a of every operand after `Latency` cycles, one a cycle."""
+"""`ti_fp_rcp` gives the rounded 1 / a of every operand after `Latency` cycles, one a cycle.
+
+By division or by Newton steps.
+"""
 
 import pytest
 from agents.bench import run
@@ -30,3 +33,17 @@ def test_ti_fp_rcp_with_one_bit_a_stage():
 @pytest.mark.parametrize("modes", MODES)
 def test_ti_fp_rcp_in_other_modes(modes):
     run("ti_fp_rcp", "fp_operator_claims", EndStages=3, **modes)
+
+
+# A number of steps, of stages of a product, and a way to round each.
+NEWTON = [
+    {"ExpBits": 5, "FracBits": 10, "TableBits": 9, "NewtonSteps": 0, "EndStages": 3},
+    {"ExpBits": 7, "FracBits": 16, "TableBits": 8, "NewtonSteps": 1, "ProductStages": 2},
+    {"ExpBits": 8, "FracBits": 23, "TableBits": 7, "NewtonSteps": 2, "TowardZero": 1, "Flush": 1},
+    {"ExpBits": 4, "FracBits": 4, "TableBits": 2, "NewtonSteps": 2, "ProductStages": 2},
+]
+
+
+@pytest.mark.parametrize("newton", NEWTON, ids=lambda n: f"{n['FracBits']}-{n['NewtonSteps']}")
+def test_ti_fp_rcp_by_newton_steps(newton):
+    run("ti_fp_rcp", "fp_operator_claims", **newton)

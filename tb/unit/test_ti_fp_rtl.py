@@ -17,7 +17,12 @@ KEYS = ("fp_add_stages", "fp_mul_stages", "fp_rcp_bits_per_stage", "fp_rcp_end_s
 PAPER = configure.load("paper").values
 # The first stages are those of the configuration `paper`; 7 and 5 are the most.
 DEEPER = [tuple(PAPER[key] for key in KEYS), (7, 4, 1, 4), (6, 5, 3, 4)]
-MODES = {"zero": "rounding=zero", "flush": "subnormals=flush"}
+MODES = {
+    "zero": ["rounding=zero"],
+    "flush": ["subnormals=flush"],
+    "newton": ["reciprocal=newton", "rcp_table_bits=4", "rcp_newton_steps=1"],
+    "newton-2": ["reciprocal=newton", "fp_mul_stages=5"],
+}
 SEED = 1
 
 
@@ -25,7 +30,7 @@ def build(exp_bits, frac_bits, stages=(), modes=()):
     """The finished build of the bench of a format, and the path of its program."""
     out = ROOT / "build" / "fp" / "-".join(map(str, [exp_bits, frac_bits, *stages, *modes]))
     keys = [f"{key}={value}" for key, value in zip(KEYS, stages, strict=False)]
-    keys += [MODES[mode] for mode in modes]
+    keys += [key for mode in modes for key in MODES[mode]]
     command = [ROOT / "scripts/build_fp_rtl.sh", str(exp_bits), str(frac_bits), out, *keys]
     made = subprocess.run(command, capture_output=True, text=True, check=False)
     return made, out / "fp_rtl"
@@ -86,7 +91,12 @@ def test_rtl_equals_model_at_other_stages(exp_bits, frac_bits, stages):
 
 @pytest.mark.parametrize(
     ("exp_bits", "frac_bits", "modes"),
-    [(3, 4, ["zero"]), (4, 3, ["flush"]), (8, 23, ["zero", "flush"])],
+    [
+        (3, 4, ["zero", "newton"]),
+        (4, 3, ["flush"]),
+        (8, 23, ["zero", "flush"]),
+        (8, 23, ["newton-2"]),
+    ],
 )
 def test_rtl_equals_model_in_other_modes(exp_bits, frac_bits, modes):
     run = bench(exp_bits, frac_bits, "--pairs", "100000", "--seed", str(SEED), modes=modes)

@@ -14,7 +14,7 @@ from models.rays import clip, origins, random_ray, ray, setup_cases, unit_box
 
 FORMATS = [
     "",
-    "exp_bits=7 frac_bits=16 rounding=zero",
+    "exp_bits=7 frac_bits=16 rounding=zero reciprocal=newton",
     "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush",
 ]
 OK, INVALID = 0, 1

@@ -13,8 +13,9 @@
 /// outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward by `Outward` ulp, which covers
 /// the three roundings; the ray misses when tmin > tmax, tmin' > tmax' or tmax' < 0.
 /// With u = 2^-(FracBits+1) an ulp is at least u of its number, so k of them upward are a factor of at least (1 + u)^k.
-/// To nearest t is at least (1 - u)^3 of what it stands for, and k = 4 is enough for FracBits >= 2.  Toward zero it is
-/// above (1 - 2 u)^3 of that, never more, and k = 8 is enough.  `docs/fp.md` says what is lost where inverses end at
+/// t is at least (1 - a)^2 (1 - H u) of what it stands for, with a = u to nearest and 2 u toward zero, and H half ulps
+/// the error of the reciprocal, by division 1 or 2.  k = H + 3, or H + 6 toward zero, is enough for FracBits >= 2 and
+/// H^2 <= 2^(FracBits+1), which `scripts/configure.py` holds; downward it asks for no more.  `docs/fp.md` says what is lost where inverses end at
 /// the largest number, and where subnormals are flushed.
 /// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid; without `AnyHit` so is
 /// an any-hit ray.
@@ -58,7 +59,7 @@ module ti_rd_clip #(
   localparam int unsigned M = ti_num_pkg::FracBits;
   localparam int unsigned W = ti_num_pkg::FpWidth;
   // Units in the last place by which the interval grows at each end.
-  localparam int unsigned Outward = ti_fp_pkg::OutwardUlps;
+  localparam int unsigned Outward = ti_fp_pkg::outward_ulps(M);
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
   typedef ti_pkg::fp_t fp_t;
 

@@ -7,9 +7,9 @@
 /// come to, here and in the triangle test.
 ///
 /// A is the largest |plane - o| of the scene box; the thickness has the fraction of A and an exponent lower by
-/// `Places`, at least 1: 32 u A with u = 2^-(FracBits+1), or 2^-FracBits where operations round toward zero.  On each axis the origins are o + thickness and
-/// o - thickness, each moved outward by one more ulp; near is the one farther along the direction.  What the
-/// thickness covers is added up in `sw/model/rd.hpp`.
+/// `Places`, at least 1: 2^k u A with u = 2^-(FracBits+1), 32 u A by division to nearest.  On each axis the origins
+/// are o + thickness and o - thickness, each moved outward by one more ulp; near is the one farther along the
+/// direction.  What the thickness covers is added up in `sw/model/rd.hpp`.
 /// A ray in `RayCycles` steps, as `ti_rd_clip` takes it: lane 0 has the axis of the step, each further axis a lane of
 /// its own in the last step.  `Latency` cycles, no stall.  A lane has 4 ADD.
 module ti_rd_thick #(
@@ -40,9 +40,12 @@ module ti_rd_thick #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
   localparam int unsigned W = ti_num_pkg::FpWidth;
-  // 32 u, u being 2^-(M+1), or 2^-M toward zero.
-  localparam int unsigned Thicker = ti_fp_pkg::TowardZero ? 5 : 4;
-  localparam int unsigned Places = (M > Thicker) ? M - Thicker : 0;
+  // What the thickness covers, in units of u A, and the exponent of the power of two that is not less.
+  localparam int unsigned Covered = (ti_fp_pkg::TowardZero ? 34 : 17) + 4 * ti_fp_pkg::rcp_half_ulps(
+      M
+  );
+  localparam int unsigned Thicker = $clog2(Covered);
+  localparam int unsigned Places = (M + 1 > Thicker) ? M + 1 - Thicker : 0;
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
   typedef ti_pkg::fp_t fp_t;
   typedef logic [W-2:0] size_t;
