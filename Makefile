@@ -157,7 +157,7 @@ testfloat: fp = $(subst $(comma),-,$(FORMAT))
 machine: need-KEYS config $(ti) $(call made,$(value SCENE))
 	@mkdir -p $(dir $(KEYS)) && $(ti) machine $(picture_args) $(common_args) --out $(KEYS) && echo $(config)/config.json >>$(KEYS)
 
-##@ Pictures beside others
+##@ Beside others
 effects-table: check-engine config $(ti) $(call library,$(ENGINE)) $(call made,$(effects_scenes)) ## EFFECTS=auto beside all: rays, cycles, seconds, the same bits (SCENES="..." SIZE= SPP= BOUNCES= CONFIG= ENGINE=rtl|model OUT=)
 	@python scripts/effects_table.py --config $(config)/config.json $(if $(filter rtl,$(ENGINE)),--library $(engine)/libti_rtl.so) \
 	  $(if $(filter file,$(origin SIZE)),,--size $(call q,SIZE)) --spp $(call q,SPP) --bounces $(call q,BOUNCES) \

@@ -7,18 +7,21 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
+#include "scene/aimed_rays.hpp"
 #include "scene/geometry.hpp"
 #include "scene/rays.hpp"
 
 namespace ti {
 namespace {
 
-constexpr std::array<std::string_view, 6> kKinds{"random", "inside",  "primary",
-                                                 "ao",     "diffuse", "shadow"};
+constexpr std::array<std::string_view, 11> kKinds{"random",  "inside", "primary",  "ao",
+                                                  "diffuse", "shadow", "edges",    "vertices",
+                                                  "grazing", "far",    "secondary"};
 constexpr int kAoSamples = 16;
 constexpr double kAoRadius = 0.05;  // of the diagonal
 
@@ -54,6 +57,40 @@ std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tr
                  static_cast<float>(kAoRadius * diagonal), seed);
 }
 
+/// Where `kind` is what rays are aimed at.
+std::optional<Aim> aim_of(std::string_view kind) {
+  const auto at = std::find(kAimNames.begin(), kAimNames.end(), kind);
+  if (at == kAimNames.end()) return std::nullopt;
+  return static_cast<Aim>(at - kAimNames.begin());
+}
+
+/// `count` rays aimed at the triangles of the mesh, none where it has none.
+std::vector<Ray> aimed(const Mesh& mesh, Aim aim, std::size_t count, std::uint64_t seed) {
+  std::vector<Ray> rays;
+  if (mesh.triangles.empty()) return rays;
+  rays.reserve(count);
+  const AimedRays at(mesh, aim, seed);
+  for (std::size_t i = 0; i < count; ++i) rays.push_back(at(i));
+  return rays;
+}
+
+/// Rays from the hits of rays of any direction, until there are enough or hits are too rare.
+std::vector<Ray> spawned(const Scene& scene, const Tracer& model, const Format& format,
+                         std::size_t count, std::uint64_t seed) {
+  const AimedRays at(scene.mesh, Aim::Uniform, seed);
+  std::vector<Ray> rays;
+  std::vector<Hit> hits;
+  Work work;
+  const std::uint64_t most = 64 * std::uint64_t{count} + 1024;
+  for (std::uint64_t i = 0; i < most && hits.size() < count; ++i) {
+    const Hit hit = hit_of(format, model.trace(at(i), work));
+    if (!hit.is_hit()) continue;
+    rays.push_back(at(i));
+    hits.push_back(hit);
+  }
+  return diffuse_rays(scene.mesh, format, rays, hits, seed);
+}
+
 }  // namespace
 
 RaySource parse_ray_source(const std::string& text) {
@@ -85,13 +122,17 @@ std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tr
     rays = inside_rays(scene.mesh, source.count, seed);
   } else if (source.kind == "primary") {
     rays = camera_rays(scene, source.count, seed);
+  } else if (const std::optional<Aim> aim = aim_of(source.kind)) {
+    rays = aimed(scene.mesh, *aim, source.count, seed);
+  } else if (source.kind == "secondary") {
+    rays = spawned(scene, model, format, source.count, seed);
   } else {
     rays = secondary(source, scene, model, format, seed);
   }
   if (rays.size() > source.count) rays.resize(source.count);
   if (rays.empty()) {
     throw Error(fmt::format(
-        "RAYS={}:{}: the scene gives no such ray, as no camera ray hits it or it has no light",
+        "RAYS={}:{}: the scene gives no such ray, as none hits it, or it has no triangle or light",
         source.kind, source.count));
   }
   return rays;

@@ -17,7 +17,8 @@ namespace ti {
 /// Kinds: `random` (around the mesh), `inside` (in its box, any direction), `primary` (camera), and
 /// from the hits of primary rays `ao` (16 any-hit rays a hit, 5 % of the scene's diagonal long),
 /// `diffuse` (one cosine-distributed closest-hit ray a hit), `shadow` (one any-hit ray a hit and
-/// light).
+/// light). For tests of accuracy those of `AimedRays`: `edges`, `vertices`, `grazing`, `far`; and
+/// `secondary`, one cosine-distributed ray from each hit of rays of any direction.
 struct RaySource {
   std::string file;  ///< empty: made
   std::string kind;

@@ -2,12 +2,15 @@
 // RAYS= is a file or one of the kinds; what is made for an engine is in its number format.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/vec3.hpp>
 #include <memory>
 
 #include "accel/build.hpp"
 #include "base/limits.hpp"
 #include "cli/ray_source.hpp"
+#include "scene/aimed_rays.hpp"
 #include "support.hpp"
 #include "tree_walk.hpp"
 
@@ -44,7 +47,7 @@ TEST_CASE("secondary rays start at numbers of the engine's format") {
   BuildStats stats;
   const Image image = build_image(scene.mesh, options, stats);
   const auto model = Tracer::create(image, {});
-  for (const char* kind : {"ao", "diffuse", "shadow"}) {
+  for (const char* kind : {"ao", "diffuse", "shadow", "secondary"}) {
     CAPTURE(kind);
     const auto rays =
         make_rays({.file = {}, .kind = kind, .count = 500}, scene, *model, options.format, 1);
@@ -55,6 +58,33 @@ TEST_CASE("secondary rays start at numbers of the engine's format") {
       }
     }
   }
+}
+
+TEST_CASE("aimed rays point at what they are named for, one by one or all at once") {
+  Scene scene;
+  scene.mesh = soup(60, 0.8F, 5);
+  BuildStats stats;
+  const Image image = build_image(scene.mesh, {}, stats);
+  const auto model = Tracer::create(image, {});
+  for (const Aim aim : {Aim::Edges, Aim::Vertices, Aim::Grazing, Aim::Far}) {
+    const char* kind = kAimNames[static_cast<std::size_t>(aim)];
+    CAPTURE(kind);
+    const auto rays = make_rays({.file = {}, .kind = kind, .count = 200}, scene, *model, {}, 9);
+    REQUIRE(rays.size() == 200);
+    const AimedRays one(scene.mesh, aim, 9);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      CHECK(rays[i].o == one(i).o);
+      CHECK(rays[i].d == one(i).d);
+      if (aim != Aim::Vertices) continue;
+      const glm::vec3 end = rays[i].o + rays[i].d;
+      CHECK(std::any_of(scene.mesh.vertices.begin(), scene.mesh.vertices.end(), [&](const auto& p) {
+        return std::abs(p.x - end.x) + std::abs(p.y - end.y) + std::abs(p.z - end.z) < 1e-5F;
+      }));
+    }
+  }
+  scene.mesh = {};
+  test::check_error([&] { (void)make_rays({.kind = "edges", .count = 5}, scene, *model, {}, 1); },
+                    {"edges:5", "it has no triangle"});
 }
 
 }  // namespace
