@@ -83,8 +83,9 @@ TEST_CASE("aimed rays point at what they are named for, one by one or all at onc
     }
   }
   scene.mesh = {};
-  test::check_error([&] { (void)make_rays({.kind = "edges", .count = 5}, scene, *model, {}, 1); },
-                    {"edges:5", "it has no triangle"});
+  test::check_error(
+      [&] { (void)make_rays({.file = {}, .kind = "edges", .count = 5}, scene, *model, {}, 1); },
+      {"edges:5", "it has no triangle"});
 }
 
 }  // namespace
