@@ -72,6 +72,10 @@ int accuracy(Arguments& arguments) {
   arguments.run.truth = false;
   const Session session(arguments.run, load(arguments));
   session.require_triangles();
+  if (session.image().parts().triangle_count == 0) {
+    throw Error(fmt::format("{}: it has no triangle, so there is nothing to aim at",
+                            arguments.run.scene.string()));
+  }
   const Mesh& mesh = session.scene().mesh;
   const Format& format = arguments.run.config.format;
   const ExactTracer exact(mesh, format);

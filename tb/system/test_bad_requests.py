@@ -118,7 +118,7 @@ def test_a_program_without_a_command_says_so(ti, words):
 
 
 def test_rays_that_a_scene_cannot_give_are_refused(ti, out):
-    for kind in ("ao", "diffuse", "shadow"):
+    for kind in ("ao", "diffuse", "shadow", "edges", "secondary"):
         ti.trace(out, SCENES / "empty.ply", f"{kind}:10").refused(f"RAYS={kind}:10", "no such ray")
 
 
@@ -143,13 +143,6 @@ def test_a_configuration_that_is_no_json_object_is_refused(ti, tmp_path, out, te
 
 def test_a_missing_configuration_is_refused(ti, tmp_path, out):
     ti.trace(out, CORNELL, "random:10", config=tmp_path / "none.json").refused("none.json")
-
-
-def test_a_format_that_the_model_lacks_is_refused(ti, tmp_path, out):
-    config = tmp_path / "config.json"
-    config.write_text(ti.config.read_text().replace('"exp_bits": 8', '"exp_bits": 4'))
-
-    ti.trace(out, CORNELL, "random:10", config=config).refused("(4,23)", "(8,23)")
 
 
 def test_the_rtl_of_another_configuration_is_refused(tiny, tmp_path, out):
