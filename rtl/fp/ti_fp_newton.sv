@@ -9,8 +9,8 @@
 /// interval of x with an index of `TableBits` is the inverse of its middle, to nearest in
 /// `TableBits` + 1 bits.  A step is y (2 - x y): X Y is cut off to M + 3 bits below the point and
 /// inverted bit by bit, which is 2 - x y less one unit; its product with Y is cut off to a new Y.
-/// To nearest 1 is added, which halves the error; an estimate below 1/2, where no inverse is, becomes
-/// 1/2.  `ti_fp_pkg::rcp_half_ulps` bounds the error.
+/// To nearest 1 is added, which halves the error.  `ti_fp_pkg::rcp_half_ulps` bounds it.  No estimate
+/// leaves [1/2, 1): `sw/test/test_modes.cpp` tries every x of every format with every table.
 module ti_fp_newton #(
   /// Stored fraction bits, 2 to 23.
   parameter int unsigned FracBits = 23,
@@ -119,12 +119,10 @@ module ti_fp_newton #(
       assign factor = ~product[FracBits+:FactorBits];
       assign unused_product = ^{product[ProdBits-1:FracBits+FactorBits], product[FracBits-1:0]};
     end else begin : gen_second
-      logic [YBits-1:0] cut;
       logic unused_product;
-      assign cut = product[YBits+:YBits] + YBits'(!TowardZero);
       always_comb begin
         next   = beside;
-        next.y = cut[YBits-1] ? cut : {1'b1, {(YBits - 1) {1'b0}}};
+        next.y = product[YBits+:YBits] + YBits'(!TowardZero);
       end
       assign factor = FactorBits'(beside.x);
       assign unused_product = ^{product[ProdBits-1:2*YBits], product[YBits-1:0]};

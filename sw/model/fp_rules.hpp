@@ -54,23 +54,29 @@ class FpRules {
   ///
   /// Bit-exact model of `ti_fp_newton`: x = X 2^-M in [1, 2) is inverted as Y 2^-(M+3) in [1/2, 1).
   /// A step is Y := Y E 2^-(M+3) cut off, plus 1 to nearest, with E = 2^(M+4) - 1 - X Y 2^-M cut
-  /// off; below one half it is one half. Then Y is rounded as any result. Powers of two are exact.
+  /// off. Then Y is rounded as any result. Powers of two are exact.
   [[nodiscard]] constexpr float newton(double x) const {
     const int m = format.frac_bits;
-    const int k = format.modes.rcp_table_bits;
     const std::uint64_t image = std::bit_cast<std::uint64_t>(size(x));
     const std::uint64_t fraction = (image & ((std::uint64_t{1} << 52) - 1)) >> (52 - m);
     if (fraction == 0 || !(size(x) < std::numeric_limits<double>::infinity()))
       return rounded(1.0 / x);
-    const std::uint64_t sig = std::uint64_t{1} << m | fraction;
+    const int exponent = static_cast<int>(image >> 52) - 1023;
+    return rounded(
+        signed_like(static_cast<double>(inverse(fraction)) * pow2(-exponent - m - 3), x));
+  }
+
+  /// The Y of `newton` for X = 2^M + `fraction`, which is not 2^M.
+  [[nodiscard]] constexpr std::uint64_t inverse(std::uint64_t fraction) const {
+    const int m = format.frac_bits;
+    const int k = format.modes.rcp_table_bits;
+    const std::uint64_t x = std::uint64_t{1} << m | fraction;
     std::uint64_t y = seed(k, fraction >> (m - k)) << (m + 2 - k);
     for (int step = 0; step < format.modes.rcp_newton_steps; ++step) {
-      const std::uint64_t e = (std::uint64_t{1} << (m + 4)) - 1 - (sig * y >> m);
+      const std::uint64_t e = (std::uint64_t{1} << (m + 4)) - 1 - (x * y >> m);
       y = (y * e >> (m + 3)) + (format.modes.toward_zero ? 0 : 1);
-      if (y >> (m + 2) == 0) y = std::uint64_t{1} << (m + 2);
     }
-    const int exponent = static_cast<int>(image >> 52) - 1023;
-    return rounded(signed_like(static_cast<double>(y) * pow2(-exponent - m - 3), x));
+    return y;
   }
 
  private:

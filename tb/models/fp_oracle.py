@@ -127,7 +127,6 @@ class Oracle:
         for _ in range(self.newton_steps):
             factor = 2 * (1 << m + 3) - 1 - x * y // (1 << m)
             y = y * factor // (1 << m + 3) + (not self.toward_zero)
-            y = max(y, 1 << m + 2)
         return y
 
     def lt(self, a, b):
