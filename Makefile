@@ -33,6 +33,7 @@ LIMIT ?=
 TEST ?=
 UNIT ?=
 QUICK ?=
+ID ?=
 FORMATS ?=
 TESTS ?=
 TRAVERSALS ?=
@@ -147,6 +148,10 @@ image: config build/sw/ti $(call made,$(value SCENE)) ## Memory image of SCENE= 
 hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
 	@$(foreach e,$(case_engines),$(ti) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
 	  --config $(config)/config.json --engine $(e) $(call rtl,$(e)) &&) true
+
+hardcase: need-ID check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## One of them, with its steps from model and RTL (ID= FILE= CONFIG= ENGINE= OUT=)
+	@$(foreach e,$(case_engines),$(ti) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
+	  --config $(config)/config.json --engine $(e) $(call rtl,$(e)) --id $(call q,ID) --out $(call out,build/hardcase/$(value ID)) &&) true
 
 testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
 	@scripts/logged.sh build/fp/$(fp)/build.log "build: FP operators ($(FORMAT))" \
@@ -289,5 +294,5 @@ $(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py $(wildcar
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase accuracy testfloat engine config sw test sim waves operators synth mutants timing lint \
   effects-table second-opinion convergence format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "engine/session.hpp"
@@ -22,9 +23,10 @@ struct Arguments {
   std::string effects = "auto";
   std::string rays;
   std::string cases_file;
-  std::string base_file;         ///< configuration that a machine was planned on; empty: none was
-  std::filesystem::path keys;    ///< of machine: file for them; empty: render
-  std::uint64_t count = 100000;  ///< of accuracy: rays of each kind
+  std::optional<int> case_number;  ///< of hard cases: that one alone, with its steps
+  std::string base_file;           ///< configuration that a machine was planned on; empty: none was
+  std::filesystem::path keys;      ///< of machine: file for them; empty: render
+  std::uint64_t count = 100000;    ///< of accuracy: rays of each kind
   int spp = 1;
   int bounces = 4;
   std::string frames;  ///< of an animation; empty: a picture

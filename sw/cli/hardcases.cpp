@@ -32,10 +32,10 @@ std::string hit_text(const Hit& hit) {
 }
 
 /// Whether hit.t is the exact t of the case within the bound of the test of the reported triangle.
-bool t_within_bound(const HardCase& c, const Hit& hit) {
+bool t_within_bound(const HardCase& c, const Hit& hit, TestKind test) {
   const BoundedOps ops(kBinary32);
   const auto constants =
-      test_constants(c.mesh.corners(static_cast<std::size_t>(hit.prim)), kBinary32);
+      test_constants(c.mesh.corners(static_cast<std::size_t>(hit.prim)), kBinary32, test);
   if (!constants || !std::isfinite(hit.t)) {
     return false;
   }
@@ -51,7 +51,8 @@ bool t_within_bound(const HardCase& c, const Hit& hit) {
 
 CaseResult expect_miss(const Hit& hit) { return {!hit.is_hit(), false, "miss", hit_text(hit)}; }
 
-CaseResult expect_hit(const HardCase& c, const Hit& hit, const std::vector<std::int32_t>& ids) {
+CaseResult expect_hit(const HardCase& c, const Hit& hit, TestKind test,
+                      const std::vector<std::int32_t>& ids) {
   CaseResult result{false, false, fmt::format("hit {} at {}", ids_text(ids), c.exact_t),
                     hit_text(hit)};
   if (!hit.is_hit()) {
@@ -59,7 +60,7 @@ CaseResult expect_hit(const HardCase& c, const Hit& hit, const std::vector<std::
   }
   if (std::find(ids.begin(), ids.end(), hit.prim) == ids.end()) {
     result.text += ", another triangle";
-  } else if (!t_within_bound(c, hit)) {
+  } else if (!t_within_bound(c, hit, test)) {
     result.text += ", t is beyond its bound";
   } else {
     result.pass = true;
@@ -67,8 +68,8 @@ CaseResult expect_hit(const HardCase& c, const Hit& hit, const std::vector<std::
   return result;
 }
 
-CaseResult expect_exact(const HardCase& c, const Hit& hit) {
-  return c.exact_hit ? expect_hit(c, hit, c.exact_ids) : expect_miss(hit);
+CaseResult expect_exact(const HardCase& c, const Hit& hit, TestKind test) {
+  return c.exact_hit ? expect_hit(c, hit, test, c.exact_ids) : expect_miss(hit);
 }
 
 /// A choice that the machine makes where the case leaves one; the first that applies counts.
@@ -93,10 +94,10 @@ constexpr std::array<Policy, 4> kPolicies{{
     {"the interval is closed", [](const HardCase&) { return true; }, false},
 }};
 
-CaseResult expect_policy(const HardCase& c, const Hit& hit) {
+CaseResult expect_policy(const HardCase& c, const Hit& hit, TestKind test) {
   const auto* policy = std::find_if(kPolicies.begin(), kPolicies.end(),
                                     [&c](const Policy& p) { return p.applies(c); });
-  CaseResult result = policy->miss ? expect_miss(hit) : expect_exact(c, hit);
+  CaseResult result = policy->miss ? expect_miss(hit) : expect_exact(c, hit, test);
   result.policy = true;
   result.text += fmt::format(" ({})", policy->name);
   return result;
@@ -132,8 +133,8 @@ bool has_t_junction(const Mesh& mesh) {
   return false;
 }
 
-CaseResult expect_watertight(const HardCase& c, const Hit& hit) {
-  CaseResult result = expect_exact(c, hit);
+CaseResult expect_watertight(const HardCase& c, const Hit& hit, TestKind test) {
+  CaseResult result = expect_exact(c, hit, test);
   if (!result.pass && has_t_junction(c.mesh)) {
     result.pass = result.policy = true;
     result.text += " (a T-junction: any result, but it ends)";
@@ -141,8 +142,8 @@ CaseResult expect_watertight(const HardCase& c, const Hit& hit) {
   return result;
 }
 
-CaseResult expect_self(const HardCase& c, const Hit& hit) {
-  CaseResult result = hit.is_hit() ? expect_exact(c, hit) : expect_miss(hit);
+CaseResult expect_self(const HardCase& c, const Hit& hit, TestKind test) {
+  CaseResult result = hit.is_hit() ? expect_exact(c, hit, test) : expect_miss(hit);
   result.policy = true;
   result.text += " (whoever spawns the ray moves its origin off the surface)";
   return result;
@@ -150,8 +151,8 @@ CaseResult expect_self(const HardCase& c, const Hit& hit) {
 
 /// Shorter formats: exact arithmetic on the rounded case, and whatever the bounds of that format
 /// explain.
-CaseResult judge_rounded(const HardCase& c, const Hit& hit, Format format) {
-  const Truth truth(c.mesh, format);
+CaseResult judge_rounded(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
+  const Truth truth(c.mesh, format, "", Truth::kLooks, test);
   const Truth::ExactHit exact = truth.exact(c.ray);
   Hit reference;
   if (exact.hit) {
@@ -168,40 +169,41 @@ CaseResult judge_rounded(const HardCase& c, const Hit& hit, Format format) {
 
 }  // namespace
 
-CaseResult judge_case(const HardCase& c, const Hit& hit, Format format) {
+CaseResult judge_case(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
   if (hit.is_hit() && static_cast<std::size_t>(hit.prim) >= c.mesh.triangles.size()) {
     return {false, false, "a triangle of the case", hit_text(hit)};
   }
   if (!(format == kBinary32)) {
-    return judge_rounded(c, hit, format);
+    return judge_rounded(c, hit, format, test);
   }
   switch (c.rule) {
     case CaseRule::Exact:
-      return expect_exact(c, hit);
+      return expect_exact(c, hit, test);
     case CaseRule::Watertight:
-      return expect_watertight(c, hit);
+      return expect_watertight(c, hit, test);
     case CaseRule::NoHit:
       return expect_miss(hit);
     case CaseRule::Tie:
-      return c.exact_hit
-                 ? expect_hit(c, hit, {*std::min_element(c.exact_ids.begin(), c.exact_ids.end())})
-                 : expect_miss(hit);
+      return c.exact_hit ? expect_hit(c, hit, test,
+                                      {*std::min_element(c.exact_ids.begin(), c.exact_ids.end())})
+                         : expect_miss(hit);
     case CaseRule::Policy:
-      return expect_policy(c, hit);
+      return expect_policy(c, hit, test);
     case CaseRule::Self:
-      return expect_self(c, hit);
+      return expect_self(c, hit, test);
   }
   return {};
 }
 
-int run_hardcases(const std::vector<HardCase>& cases, const CaseTracer& trace, Format format) {
+int run_hardcases(const std::vector<HardCase>& cases, const CaseTracer& trace, const Format& format,
+                  TestKind test) {
   int failures = 0;
   fmt::print("{:>4}  {:<58} {:<10} {:<8} {:<34} {}\n", "n", "name", "rule", "result", "required",
              "got");
   for (const HardCase& c : cases) {
     CaseResult result;
     try {
-      result = judge_case(c, trace(c.mesh, c.ray), format);
+      result = judge_case(c, trace(c.mesh, c.ray), format, test);
     } catch (const Error& error) {
       result.text = error.what();
     }

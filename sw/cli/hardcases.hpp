@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "accel/image.hpp"
 #include "base/format.hpp"
 #include "scene/mesh.hpp"
 #include "scene/ray.hpp"
@@ -39,17 +40,18 @@ struct CaseResult {
   std::string text;      ///< what came out, and why that is right or wrong
 };
 
-/// Judges what an engine of `format` reported.
+/// Judges what an engine of `format` with that triangle test reported.
 ///
 /// (8, 23): by the results in the case. Shorter formats: the case is rounded first and its results
 /// are computed anew.
-[[nodiscard]] CaseResult judge_case(const HardCase& hard_case, const Hit& hit, Format format = {});
+[[nodiscard]] CaseResult judge_case(const HardCase& hard_case, const Hit& hit,
+                                    const Format& format = {}, TestKind test = TestKind::Local);
 
 /// Traces one ray through one mesh on an engine.
 using CaseTracer = std::function<Hit(const Mesh&, const Ray&)>;
 
 /// Traces and judges all cases, prints a table to standard output and gives the number of failures.
 [[nodiscard]] int run_hardcases(const std::vector<HardCase>& cases, const CaseTracer& trace,
-                                Format format = {});
+                                const Format& format = {}, TestKind test = TestKind::Local);
 
 }  // namespace ti

@@ -142,6 +142,9 @@ int run(int argc, char** argv) {
   add_engine(*cases_command, arguments);
   cases_command->add_option("--file", arguments.cases_file, "cases, one JSON object a line")
       ->required();
+  CLI::Option* one = cases_command->add_option("--id", arguments.case_number,
+                                               "number of one case, whose steps are written too");
+  one->needs(cases_command->add_option("--out", arguments.run.out, "folder for the steps"));
 
   try {
     app.parse(argc, argv);
