@@ -182,6 +182,7 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
             f"{path}: streams is {config['streams']}, but must be 0 or divide cores, "
             f"{config['cores']}"
         )
+    check_range(path, config)
     check_reciprocal(path, config)
     check_record(path, config)
     for unit in READERS:
@@ -240,6 +241,21 @@ def check_reciprocal(path: Path, config: dict[str, object]) -> None:
         raise ConfigError(
             f"{path}: fp_add_stages is {config['fp_add_stages']}, "
             f"but must be at most the stages of the reciprocal, {stages}"
+        )
+
+
+def check_range(path: Path, config: dict[str, object]) -> None:
+    """The inverse of 2^-M is a number.
+
+    RD takes an axis whose inverse overflows for parallel: a ray may leave it by less than an ulp
+    of its way, which the dilation of the tree covers, or hits are lost.
+    """
+    least = 1 + (config["frac_bits"] - 1).bit_length()
+    if config["exp_bits"] < least:
+        raise ConfigError(
+            f"{path}: exp_bits is {config['exp_bits']}, but frac_bits {config['frac_bits']} asks "
+            f"for {least} or more: the inverse of a direction of 2^-{config['frac_bits']} would "
+            "overflow"
         )
 
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/tracer.hpp"
+#include "model/work.hpp"
 
 namespace ti {
 

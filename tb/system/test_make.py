@@ -18,7 +18,7 @@ BAD = {  # target, variables, words of the sentence
     "no-ways": ("render", TINY | {"SET": "trv_l1_ways=0"}, ["trv_l1_ways is 0", "from 1 to 16"]),
     "odd-cache": ("render", TINY | {"SET": "trv_l1_bytes=1000"}, ["trv_l1_bytes is 1000"]),
     "unknown-key": ("render", TINY | {"SET": "num_rays=7"}, ["num_rays", "did you mean num_trv?"]),
-    "no-model": ("render", TINY | {"SET": "exp_bits=4"}, ["(4,23)", "(8,23), (8,20)"]),
+    "short-range": ("render", TINY | {"SET": "exp_bits=4"}, ["exp_bits is 4", "23", "6 or more"]),
     "short-addresses": ("render", TINY | {"SET": "addr_bits=20"}, ["addr_bits is 20", "21"]),
     "odd-config": ("render", {"CONFIG": "it's (not) #1 $a"}, ["it's (not) #1 $a: no such"]),
     "odd-set": ("render", TINY | {"SET": "num_trv=$(a);'b"}, ["num_trv is $(a);'b, but"]),

@@ -128,12 +128,21 @@ def test_a_reciprocal_by_newton_steps_that_is_impossible_is_named(values, senten
     refused(script("tiny", "reciprocal=newton", *values, "--out", out), out, sentence)
 
 
-@pytest.mark.parametrize("pair", [*SCHEMA.formats, (3, 2), (3, 23), (8, 2)], ids=str)
+@pytest.mark.parametrize(
+    "pair", [*SCHEMA.formats, (3, 2), (3, 4), (5, 16), (6, 23), (8, 2)], ids=str
+)
 @pytest.mark.parametrize("modes", [[], ["rounding=zero", "subnormals=flush"]], ids=str)
 def test_every_format_is_taken_in_every_mode(pair, modes):
     keys = [f"exp_bits={pair[0]}", f"frac_bits={pair[1]}", "fp_add_stages=4", *modes]
     values = configure.load("tiny", keys).values
     assert (values["exp_bits"], values["frac_bits"]) == pair
+
+
+@pytest.mark.parametrize(("pair", "least"), [((3, 5), 4), ((4, 9), 5), ((5, 17), 6)], ids=str)
+def test_a_format_whose_inverses_overflow_too_soon_is_refused(pair, least, tmp_path):
+    keys = [f"exp_bits={pair[0]}", f"frac_bits={pair[1]}", "fp_add_stages=4"]
+    out = tmp_path / "config"
+    refused(script("tiny", *keys, "--out", out), out, f"frac_bits {pair[1]} asks for {least} or")
 
 
 def test_the_guard_of_an_interval_follows_the_rounding_unless_it_is_given(tmp_path):

@@ -40,10 +40,9 @@ module ti_rd_thick #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
   localparam int unsigned W = ti_num_pkg::FpWidth;
-  // What the thickness covers, in units of u A, and the exponent of the power of two that is not less.
-  localparam int unsigned Covered = (ti_fp_pkg::TowardZero ? 34 : 17) + 4 * ti_fp_pkg::rcp_half_ulps(
-      M
-  );
+  // What the thickness covers, in units of u A, and the exponent of the next power of two.
+  localparam int unsigned Operations = ti_fp_pkg::TowardZero ? 34 : 17;
+  localparam int unsigned Covered = Operations + 4 * ti_fp_pkg::rcp_half_ulps(M);
   localparam int unsigned Thicker = $clog2(Covered);
   localparam int unsigned Places = (M + 1 > Thicker) ? M + 1 - Thicker : 0;
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
