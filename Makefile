@@ -80,7 +80,9 @@ rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)
 # Scenes that are made when they are asked for: made NAMES are their files.
 knot := build/scenes/knot.ply
 gallery_names := cornell_glass pavilion still_life windmill
-made = $(filter $(knot) $(gallery_names:%=build/scenes/%.gltf),$(foreach s,$(1),$(if $(filter knot,$(s)),$(knot),$(if $(filter $(gallery_names),$(s)),build/scenes/$(s).gltf,$(s)))))
+closed_names := icosphere torus tube
+made_files := $(knot) $(closed_names:%=build/scenes/%.ply) $(gallery_names:%=build/scenes/%.gltf)
+made = $(filter $(made_files),$(foreach s,$(1),$(if $(filter knot $(closed_names),$(s)),build/scenes/$(s).ply,$(if $(filter $(gallery_names),$(s)),build/scenes/$(s).gltf,$(s)))))
 needs = check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(call made,$(value SCENE))
 scene = "$$(scripts/scene.sh file $(call q,SCENE))"
 # What a run is called: cornell-small, cornell-small-num_trv-2-model.
@@ -108,7 +110,7 @@ bench_scenes = $(or $(value SCENES),$(papers_scenes),cornell knot)
 gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_life windmill)
 effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
   bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
-accuracy_scenes = $(or $(value SCENES),knot)
+accuracy_scenes = $(or $(value SCENES),$(closed_names))
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -290,7 +292,7 @@ build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-pack
 	@scripts/setup.sh --if-needed
 
 # The scenes of the project that are too large for git.
-$(knot) $(gallery_names:%=build/scenes/%.gltf): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/setup.stamp
+$(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/setup.stamp
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:

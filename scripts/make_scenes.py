@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scenes.ply import ply_bytes
 
-from scenes import cornell, knot, pavilion, still_life, windmill
+from scenes import closed, cornell, knot, pavilion, still_life, windmill
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPACT = {"separators": (",", ":")}
@@ -29,6 +29,9 @@ def gltf(document):
 # File of a large scene: what gives the description beside it (or None), and its bytes.
 BIG = {
     "knot.ply": knot.files,
+    "icosphere.ply": lambda: closed.files(closed.icosphere, [1.5, 1, 3]),
+    "torus.ply": lambda: closed.files(closed.torus, [1.5, 1.5, 3.5]),
+    "tube.ply": lambda: closed.files(closed.tube, [2, 3, 7]),
     "cornell_glass.gltf": lambda: (None, gltf(cornell.cornell_glass())),
     "pavilion.gltf": lambda: (pavilion.BESIDE, gltf(pavilion.pavilion())),
     "still_life.gltf": lambda: (still_life.BESIDE, gltf(still_life.still_life())),

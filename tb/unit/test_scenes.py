@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from agents.bench import ROOT
 
-from scenes import gltf, shapes
+from scenes import closed, gltf, shapes
 
 GLTF = [file for file in make_scenes.BIG if file.endswith(".gltf")]
 FORMS = {5123: ("<u2", 2), 5125: ("<u4", 4), 5126: ("<f4", 4)}
@@ -45,8 +45,26 @@ def test_the_small_scenes_in_git_are_what_the_script_writes(tmp_path):
 
 def test_the_makefile_names_the_large_scenes():
     lines = (ROOT / "Makefile").read_text().splitlines()
-    names = next(line for line in lines if line.startswith("gallery_names :=")).split()[2:]
-    assert sorted([*(f"{name}.gltf" for name in names), "knot.ply"]) == sorted(make_scenes.BIG)
+
+    def names(variable):
+        return next(line for line in lines if line.startswith(f"{variable} :=")).split()[2:]
+
+    files = [f"{name}.gltf" for name in names("gallery_names")]
+    files += [f"{name}.ply" for name in ["knot", *names("closed_names")]]
+    assert sorted(files) == sorted(make_scenes.BIG)
+
+
+@pytest.mark.parametrize("mesh", [closed.icosphere, closed.torus, closed.tube])
+def test_in_a_closed_mesh_each_edge_has_two_triangles_that_run_along_it_in_turn(mesh):
+    vertices, triangles = mesh()
+    starts = triangles.astype(np.int64).ravel()
+    ends = np.roll(triangles.astype(np.int64), -1, axis=1).ravel()
+    edges, turned = starts * len(vertices) + ends, ends * len(vertices) + starts
+
+    assert len(np.unique(edges)) == len(edges)
+    assert np.array_equal(np.sort(edges), np.sort(turned))
+    places = {tuple(v) for v in vertices}
+    assert len(places) == len(vertices)
 
 
 @pytest.mark.parametrize("file", make_scenes.BIG)
