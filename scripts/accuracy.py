@@ -12,7 +12,7 @@ Points are tasks of dask.distributed: a cluster of this machine, one task at a t
 all processors, or any other by --scheduler.  Each is written to OUT/points.jsonl when it is done,
 with the command that repeats it, and is not run again, so a sweep that was stopped goes on.
 
-OUT gets points.jsonl, points.csv and index.html, which needs no other file.
+OUT gets points.jsonl, points.csv, a table points.md, and index.html, which needs no other file.
 
 Exit status: 0, 1 when a point failed, 2 for bad input.
 
@@ -162,7 +162,7 @@ def cycles_of(config: str, overrides: str, scene: str, rays: int) -> dict:
 def with_rates(kinds: list[dict]) -> None:
     """Adds to each kind its rates in a million with their intervals."""
     for kind in kinds:
-        for name in ("missed", "cracks", "false_hits", "wrong_triangle", "self_hits"):
+        for name in ("missed", "through", "cracks", "false_hits", "wrong_triangle", "self_hits"):
             low, high = wilson(kind[name], kind["count"])
             rate = 1e6 * kind[name] / max(1, kind["count"])
             kind[f"{name}_per_million"] = {"rate": rate, "low": low, "high": high}
@@ -244,6 +244,34 @@ def write_csv(path: Path, lines: list[dict]) -> None:
         table.writerows(rows)
 
 
+def write_table(path: Path, lines: list[dict]) -> None:
+    """The table for documents: cracks by kind of rays in a million, and what a machine costs."""
+    kinds = list(dict.fromkeys(kind["rays"] for line in lines for kind in line["kinds"]))
+    names = [f"cracks, {kind}" for kind in kinds]
+    names += ["missed, edges", "wrong, uniform", "t p99.9, uniform, ulp", "steps, uniform"]
+    names += ["LUT", "DSP", "bytes a triangle", "cycles a ray", "Mrays/s"]
+    rows = [["scene", "format", "test", "walk", *names]]
+    rows.append(["---"] * 4 + ["---:"] * len(names))
+    for line in lines:
+        point, of, rtl = line["point"], {k["rays"]: k for k in line["kinds"]}, line.get("rtl")
+
+        def rate(kind, name, of=of):
+            return f"{of[kind][f'{name}_per_million']['rate']:,.0f}" if kind in of else ""
+
+        row = [Path(point["scene"]).name.split(".")[0]]
+        row += [point["format"], point["test"], point["traversal"]]
+        row += [rate(kind, "cracks") for kind in kinds]
+        row += [rate("edges", "missed"), rate("uniform", "wrong_triangle")]
+        uniform = of.get("uniform")
+        row += [f"{uniform['t_ulp']['p99_9']:.1f}" if uniform else ""]
+        row += [f"{uniform['steps_per_ray']:.1f}" if uniform else ""]
+        row += [f"{line['operator_lut']:,}", str(line["operator_dsp"])]
+        row += [str(line["bytes"]["triangle"])]
+        row += [f"{rtl['cycles_per_ray']:.2f}", f"{rtl['mrays_per_s']:.1f}"] if rtl else ["", ""]
+        rows.append(row)
+    path.write_text("".join(f"| {' | '.join(row)} |\n" for row in rows))
+
+
 def parse_arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--ti", type=Path, required=True)
@@ -288,6 +316,7 @@ def main() -> int:
         return 2
     if done:
         write_csv(arguments.out / "points.csv", list(done.values()))
+        write_table(arguments.out / "points.md", list(done.values()))
         page = arguments.out / "index.html"
         page.write_text(accuracy_page.page(list(done.values())))
         print(f"{file}, {arguments.out / 'points.csv'}, {page}")

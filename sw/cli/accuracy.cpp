@@ -31,6 +31,7 @@ Json json_of(const std::string& kind, const HitErrors& errors) {
           {"count", errors.rays},
           {"exact_hits", errors.exact_hits},
           {"missed", errors.missed},
+          {"through", errors.through},
           {"cracks", errors.cracks},
           {"false_hits", errors.false_hits},
           {"wrong_triangle", errors.wrong},

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <mutex>
 
@@ -23,17 +24,18 @@ double ulp_of(const Format& format, double value) {
 }
 
 /// Adds what became of one ray.
-void judge(const Tracer& model, const ExactTracer& exact, const Mesh& mesh, const Format& format,
-           const Ray& ray, std::int32_t leaves, HitErrors& errors) {
+void judge(const Tracer& model, const CrackJudge& cracks, const Ray& ray, std::int32_t leaves,
+           HitErrors& errors) {
+  const Format& format = cracks.format();
   const HitBits hit = model.trace(ray, errors.work);
-  const ExactTracer::Hit truth = exact.trace(ray);
+  const ExactTracer::Hit truth = cracks.exact().trace(ray);
   ++errors.rays;
   if (hit.status != Status::Ok) ++errors.failed;
   if (truth.hit) ++errors.exact_hits;
   if (hit.prim < 0) {
     if (!truth.hit) return;
     ++errors.missed;
-    if (is_crack(exact, mesh, format, ray)) ++errors.cracks;
+    if (cracks.is_crack(ray, truth.t)) ++errors.cracks;
     return;
   }
   if (hit.prim == leaves) ++errors.self_hits;
@@ -41,6 +43,10 @@ void judge(const Tracer& model, const ExactTracer& exact, const Mesh& mesh, cons
     ++errors.false_hits;
   } else if (!std::binary_search(truth.prims.begin(), truth.prims.end(), hit.prim)) {
     ++errors.wrong;
+    if (value_of_bits(format, hit.t) > truth.t + cracks.behind(ray)) {
+      ++errors.through;
+      if (cracks.is_crack(ray, truth.t)) ++errors.cracks;
+    }
   } else if (errors.t_ulps.size() < kMostErrors) {
     const double t = value_of_bits(format, hit.t);
     errors.t_ulps.push_back(static_cast<float>(std::abs(t - truth.t) / ulp_of(format, truth.t)));
@@ -67,6 +73,7 @@ HitErrors& HitErrors::operator+=(const HitErrors& other) {
   rays += other.rays;
   exact_hits += other.exact_hits;
   missed += other.missed;
+  through += other.through;
   cracks += other.cracks;
   false_hits += other.false_hits;
   wrong += other.wrong;
@@ -80,19 +87,36 @@ HitErrors& HitErrors::operator+=(const HitErrors& other) {
   return *this;
 }
 
-bool is_crack(const ExactTracer& exact, const Mesh& mesh, const Format& format, const Ray& ray) {
+CrackJudge::CrackJudge(const ExactTracer& exact, const Mesh& mesh, const Format& format)
+    : exact_(exact), format_(format) {
   const Bounds bounds = bounds_of(mesh).value_or(Bounds{});
-  const glm::dvec3 o(ray.o);
+  low_ = bounds.low;
+  high_ = bounds.high;
+  diagonal_ = bounds.diagonal();
+}
+
+double CrackJudge::farthest(const glm::dvec3& o) const {
   double farthest = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    farthest = std::max(
-        {farthest, std::abs(bounds.low[axis] - o[axis]), std::abs(bounds.high[axis] - o[axis])});
+    farthest =
+        std::max({farthest, std::abs(low_[axis] - o[axis]), std::abs(high_[axis] - o[axis])});
   }
+  return farthest;
+}
+
+double CrackJudge::behind(const Ray& ray) const {
+  const double errors = 64.0 * format_.rounding_unit() * farthest(glm::dvec3(ray.o));
+  return std::max(1e-3 * diagonal_, errors) / glm::length(glm::dvec3(ray.d));
+}
+
+bool CrackJudge::is_crack(const Ray& ray, double t) const {
+  const glm::dvec3 o(ray.o);
   const glm::dvec3 d = glm::normalize(glm::dvec3(ray.d));
   const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 side = glm::normalize(glm::cross(d, other));
   const glm::dvec3 up = glm::cross(d, side);
-  const double reach = (8.0 * format.rounding_unit() + 2.0 * format.reciprocal_unit()) * farthest;
+  const double reach =
+      (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
   const double diagonal = std::sqrt(0.5);
   const std::array<std::array<double, 2>, 8> ways{{{1, 0},
                                                    {0, 1},
@@ -102,11 +126,13 @@ bool is_crack(const ExactTracer& exact, const Mesh& mesh, const Format& format, 
                                                    {-diagonal, diagonal},
                                                    {diagonal, -diagonal},
                                                    {-diagonal, -diagonal}}};
+  const double room = behind(ray);
   for (double distance = reach; distance > reach / 100.0; distance *= 0.5) {
     for (const auto& way : ways) {
       Ray moved = ray;
       moved.o = glm::vec3(o + distance * (way[0] * side + way[1] * up));
-      if (!exact.trace(moved).hit) return false;
+      const ExactTracer::Hit hit = exact_.trace(moved);
+      if (!hit.hit || hit.t > t + room) return false;
     }
   }
   return true;
@@ -114,10 +140,10 @@ bool is_crack(const ExactTracer& exact, const Mesh& mesh, const Format& format, 
 
 HitErrors hit_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,
                      const Format& format, const AimedRays& rays, std::uint64_t count) {
+  const CrackJudge cracks(exact, mesh, format);
   return sum_of_pieces(count, [&](std::size_t first, std::size_t last) {
     HitErrors errors;
-    for (std::size_t i = first; i < last; ++i)
-      judge(model, exact, mesh, format, rays(i), -1, errors);
+    for (std::size_t i = first; i < last; ++i) judge(model, cracks, rays(i), -1, errors);
     return errors;
   });
 }
@@ -125,6 +151,7 @@ HitErrors hit_errors(const Tracer& model, const ExactTracer& exact, const Mesh& 
 HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,
                            const Format& format, const AimedRays& rays, std::uint64_t count,
                            std::uint64_t seed) {
+  const CrackJudge cracks(exact, mesh, format);
   return sum_of_pieces(count, [&](std::size_t first, std::size_t last) {
     std::vector<Ray> given;
     std::vector<Hit> hits;
@@ -138,7 +165,7 @@ HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact, const 
     const std::vector<Ray> spawned = diffuse_rays(mesh, format, given, hits, seed ^ first);
     HitErrors errors;
     for (std::size_t i = 0; i < spawned.size(); ++i)
-      judge(model, exact, mesh, format, spawned[i], hits[i].prim, errors);
+      judge(model, cracks, spawned[i], hits[i].prim, errors);
     return errors;
   });
 }
