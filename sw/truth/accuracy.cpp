@@ -115,8 +115,10 @@ bool CrackJudge::is_crack(const Ray& ray, double t) const {
   const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 side = glm::normalize(glm::cross(d, other));
   const glm::dvec3 up = glm::cross(d, side);
+  // The corners of an octagon around the disc, so that no straight outline passes between them.
+  const double around = 1.0 / std::cos(std::acos(-1.0) / 8.0);
   const double reach =
-      (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
+      around * (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
   const double diagonal = std::sqrt(0.5);
   const std::array<std::array<double, 2>, 8> ways{{{1, 0},
                                                    {0, 1},

@@ -44,10 +44,10 @@ class CrackJudge {
   /// thousandth of the diagonal of the mesh, or 64 u A.
   [[nodiscard]] double behind(const Ray& ray) const;
 
-  /// Whether an engine that has no hit at the exact distance t, or one behind it, has a crack: the
-  /// 56 rays that are moved sideways, in 8 directions by up to (8 u + 2 r) A, hit there too. So far
-  /// the test may see a corner moved, and with it the outline of the mesh. Between the 56 an
-  /// outline may be overlooked.
+  /// Whether an engine that has no hit at the exact distance t, or one behind it, has a crack: 56
+  /// rays that are moved sideways hit there too, to the corners of octagons around a disc of
+  /// (8 u + 2 r) A and six smaller ones. So far the test may see a corner moved, and with it the
+  /// outline of the mesh. A bent outline may be overlooked between them.
   [[nodiscard]] bool is_crack(const Ray& ray, double t) const;
 
   [[nodiscard]] const ExactTracer& exact() const { return exact_; }
