@@ -54,4 +54,19 @@ std::optional<TreeBounds> tree_bounds(const Image& image) {
   return bounds;
 }
 
+int tree_depth(const Image& image) {
+  const auto nodes = image.nodes();
+  std::vector<int> depths(nodes.size());
+  int deepest = 0;
+  for (std::uint32_t i = image.header().root; i < nodes.size(); ++i) {
+    if (nodes[i].is_leaf()) {
+      deepest = std::max(deepest, depths[i]);
+      continue;
+    }
+    for (const std::uint32_t child : {i + 1, nodes[i].other()})
+      depths[child] = std::max(depths[child], depths[i] + 1);
+  }
+  return deepest;
+}
+
 }  // namespace ti

@@ -26,4 +26,7 @@ struct TreeBounds {
 /// at most as many nodes as the tree is deep.
 [[nodiscard]] std::optional<TreeBounds> tree_bounds(const Image& image);
 
+/// Inner nodes on the longest way from the root of an image to a leaf.
+[[nodiscard]] int tree_depth(const Image& image);
+
 }  // namespace ti

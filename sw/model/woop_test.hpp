@@ -21,13 +21,21 @@ struct Edges {
   std::array<F, 3> weight, z;
 };
 
+/// ab - cd with each product rounded. It is never of the wrong sign, as rounding is monotone,
+/// though it may be 0; fused with a product the difference would be: the two triangles of an edge
+/// then fuse one product each, not the same.
+template <class F>
+[[nodiscard]] F difference_of_products(F a, F b, F c, F d) {
+  return a * b - c * d;
+}
+
 /// The corners seen along the ray, and whether the ray passes between them; nothing when it does
 /// not.
 ///
 /// Bit-exact model of `ti_woop_pipe`. With A, B, C the corners less o: Ax = A.x - sx A.z, Ay = A.y
 /// - sy A.z, and so on; U = Cx By - Cy Bx, V = Ax Cy - Ay Cx, W = Bx Ay - By Ax. A corner has the
-/// same (x, y) in each of its triangles, and rounding is monotone, so that fl(ab) - fl(cd) never
-/// has the wrong sign, only a false 0, which counts as inside: no ray passes between two triangles.
+/// same (x, y) in each of its triangles, and no weight has the wrong sign, only a false 0, which
+/// counts as inside: no ray passes between two triangles.
 template <class F>
 [[nodiscard]] std::optional<Edges<F>> edge_functions(const std::array<Vec3<F>, 3>& corners,
                                                      const Vec3<F>& o, const Shear<F>& shear) {
@@ -45,7 +53,7 @@ template <class F>
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t b = (k + 1) % 3;
     const std::size_t c = (k + 2) % 3;
-    edges.weight[k] = x[c] * y[b] - y[c] * x[b];
+    edges.weight[k] = difference_of_products(x[c], y[b], y[c], x[b]);
     if (edges.weight[k].is_nan()) return std::nullopt;
     above = above || edges.weight[k] > F{};
     below = below || edges.weight[k] < F{};

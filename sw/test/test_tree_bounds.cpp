@@ -35,6 +35,16 @@ Image image_of(std::size_t triangles, float size, Layout layout = Layout::kOdfl)
   return build_image(soup(triangles, size, 4), options, stats);
 }
 
+/// The image with other nodes from its root on.
+Image changed(const Image& image, const std::vector<ImageNode>& nodes) {
+  std::vector<std::uint8_t> bytes(image.bytes().begin(), image.bytes().end());
+  std::memcpy(bytes.data() + image.parts().node_offset + 8 * image.header().root, nodes.data(),
+              nodes.size() * sizeof(ImageNode));
+  const std::uint32_t sum = image_checksum(bytes);
+  std::memcpy(bytes.data() + offsetof(ImageHeader, checksum), &sum, sizeof(sum));
+  return Image(std::move(bytes), "changed.tiim");
+}
+
 TEST_CASE("tree bounds: the stack is what a ray that takes both children of all nodes has") {
   for (const Layout layout : {Layout::kOdfl, Layout::kDfl}) {
     for (const std::size_t triangles : {0U, 1U, 2U, 10U, 300U, 3000U}) {
@@ -82,16 +92,27 @@ TEST_CASE("tree bounds: a tree that just fits the stack is traced, one entry les
 
 TEST_CASE("tree bounds: nodes that share children have none, and need restarts") {
   const Image image = image_of(10, 0.5F);
-  std::vector<std::uint8_t> bytes(image.bytes().begin(), image.bytes().end());
   ImageNode root = image.nodes()[image.header().root];
   root.link = (image.header().root + 1) << 3U | (root.link & 7U);  // both children are the next
-  std::memcpy(bytes.data() + image.parts().node_offset, &root, sizeof(root));
-  const std::uint32_t sum = image_checksum(bytes);
-  std::memcpy(bytes.data() + offsetof(ImageHeader, checksum), &sum, sizeof(sum));
-  const Image shared(std::move(bytes), "shared.tiim");
+  const Image shared = changed(image, {root});
   CHECK(!tree_bounds(shared));
   test::check_error([&] { (void)Tracer::create(shared, {.stack_depth = 64, .restart = false}); },
                     {"share"});
+}
+
+TEST_CASE("tree bounds: a tree deeper than the trail of a padded walk is refused") {
+  // A chain: one child of each inner node is the next one, the other the leaf behind them.
+  const auto chain = [](std::uint32_t depth) {
+    const Image image = image_of(300, 0.1F);
+    std::vector<ImageNode> nodes(depth, {0, depth << 3U});
+    nodes.push_back({0, 3});
+    return changed(image, nodes);
+  };
+  const Tracer::Options padded{.traversal = Traversal::kPadded};
+  CHECK(tree_depth(chain(64)) == 64);
+  CHECK(Tracer::create(chain(64), padded) != nullptr);
+  CHECK(Tracer::create(chain(65), {}) != nullptr);
+  test::check_error([&] { (void)Tracer::create(chain(65), padded); }, {"65 levels", "has 64"});
 }
 
 TEST_CASE("without any-hit rays such a ray is invalid, and the others are as they were") {
