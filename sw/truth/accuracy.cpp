@@ -2,7 +2,6 @@
 #include "truth/accuracy.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -115,29 +114,25 @@ bool CrackJudge::is_crack(const Ray& ray, double t) const {
   const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 side = glm::normalize(glm::cross(d, other));
   const glm::dvec3 up = glm::cross(d, side);
-  // The corners of an octagon around the disc, so that no straight outline passes between them.
-  const double around = 1.0 / std::cos(std::acos(-1.0) / 8.0);
   const double reach =
-      around * (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
-  const double diagonal = std::sqrt(0.5);
-  const std::array<std::array<double, 2>, 8> ways{{{1, 0},
-                                                   {0, 1},
-                                                   {-1, 0},
-                                                   {0, -1},
-                                                   {diagonal, diagonal},
-                                                   {-diagonal, diagonal},
-                                                   {diagonal, -diagonal},
-                                                   {-diagonal, -diagonal}}};
+      (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
   const double room = behind(ray);
-  for (double distance = reach; distance > reach / 100.0; distance *= 0.5) {
-    for (const auto& way : ways) {
-      Ray moved = ray;
-      moved.o = glm::vec3(o + distance * (way[0] * side + way[1] * up));
-      const ExactTracer::Hit hit = exact_.trace(moved);
-      if (!hit.hit || hit.t > t + room) return false;
+  const auto all_hit = [&](int ways) {
+    const double turn = 2.0 * std::acos(-1.0) / ways;
+    // The corners of polygons around the discs, so that no straight outline passes between them.
+    for (double distance = reach / std::cos(turn / 2.0); distance > reach / 100.0;
+         distance *= 0.5) {
+      for (int way = 0; way < ways; ++way) {
+        Ray moved = ray;
+        moved.o =
+            glm::vec3(o + distance * (std::cos(turn * way) * side + std::sin(turn * way) * up));
+        const ExactTracer::Hit hit = exact_.trace(moved);
+        if (!hit.hit || hit.t > t + room) return false;
+      }
     }
-  }
-  return true;
+    return true;
+  };
+  return all_hit(8) && all_hit(32);
 }
 
 HitErrors hit_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,

@@ -44,10 +44,11 @@ class CrackJudge {
   /// thousandth of the diagonal of the mesh, or 64 u A.
   [[nodiscard]] double behind(const Ray& ray) const;
 
-  /// Whether an engine that has no hit at the exact distance t, or one behind it, has a crack: 56
-  /// rays that are moved sideways hit there too, to the corners of octagons around a disc of
-  /// (8 u + 2 r) A and six smaller ones. So far the test may see a corner moved, and with it the
-  /// outline of the mesh. A bent outline may be overlooked between them.
+  /// Whether an engine that has no hit at the exact distance t, or one behind it, has a crack: rays
+  /// that are moved sideways hit there too, to the corners of polygons around a disc of (8 u + 2 r)
+  /// A and six smaller ones, first of octagons, then of 32 corners. So far the test may see a
+  /// corner moved, and with it the outline of the mesh. A slit between two outlines that is
+  /// narrower than the way from one corner to the next is overlooked.
   [[nodiscard]] bool is_crack(const Ray& ray, double t) const;
 
   [[nodiscard]] const ExactTracer& exact() const { return exact_; }
