@@ -5,8 +5,9 @@
 /// The intersection cluster: leaves in, results of their triangle tests out, to the home of the ray.
 ///
 /// LISTs read the triangle numbers of a leaf, IST1s do passes (a) and (b), one IST2 pass (c).  The units of Woop's test
-/// (`ti_woop_ist1`, `ti_woop_ist2`) stand in the places of Shevtsov's, with records at `plane_base_i`.  For each leaf taken, return tokens whose counts add up to the leaf's come out,
-/// in any order.  Results never wait for leaves to be taken.
+/// (`ti_woop_ist1`, `ti_woop_ist2`) stand in the places of Shevtsov's, with records at `plane_base_i`.  For each leaf
+/// taken, return tokens whose counts add up to the leaf's come out, in any order.  Results never wait for leaves to be
+/// taken.
 ///
 /// LIST l serves the TRVs l, l + NumList, l + 2 NumList, ...  `ti_ist1_choice` names the IST1 of a test, anew in
 /// each cycle in which the test waits.

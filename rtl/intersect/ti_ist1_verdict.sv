@@ -9,12 +9,12 @@
 /// certain.  The near end counts only where nearest is a normal number: then dett / det < tnear for certain.
 ///
 /// With u = 2^-(FracBits+1), each ulp is at least u of its number and at most 2 u.  limit is less than an ulp away from
-/// P = |tfar * det|, so that |dett| > limit + k ulp makes |dett| at least P (1 + u)^k.  With H half ulps the error of the
-/// reciprocal, |dett| * fl(1/det) >= tfar (1 + u)^k (1 - H u), and that is not rounded to tfar where it reaches the next
-/// number, which is at most tfar (1 + 2 u).  k = H + 3 does it for H^2 <= 2^(FracBits+1), which `scripts/configure.py`
-/// holds.  By division H is 1 to nearest and 2 toward zero.  |nearest| is at most |tnear * det| (1 + u).
-/// Toward zero this holds only where 1/det and t do not end at the largest number: not for a subnormal det, nor for a
-/// tfar in the topmost binade.  Where subnormals are flushed det is normal or 0, and t > tfar is normal.
+/// P = |tfar * det|, so that |dett| > limit + k ulp makes |dett| at least P (1 + u)^k.  With H half ulps the error of
+/// the reciprocal, |dett| * fl(1/det) >= tfar (1 + u)^k (1 - H u), and that is not rounded to tfar where it reaches the
+/// next number, which is at most tfar (1 + 2 u).  k = H + 3 does it for H^2 <= 2^(FracBits+1), which
+/// `scripts/configure.py` holds.  By division H is 1 to nearest and 2 toward zero.  |nearest| is at most |tnear * det|
+/// (1 + u).  Toward zero this holds only where 1/det and t do not end at the largest number: not for a subnormal det,
+/// nor for a tfar in the topmost binade.  Where subnormals are flushed det is normal or 0, and t > tfar is normal.
 /// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
 module ti_ist1_verdict #(
   parameter bit IntervalCull = 1'b1

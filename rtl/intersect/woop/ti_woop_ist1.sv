@@ -6,9 +6,9 @@
 /// IST1 of Woop's triangle test, behind the ports of `ti_ist1`: one fetch, one pass.
 ///
 /// A test lives in a slot.  It asks for the triangle's corners and takes `ti_woop_pipe`; one that is kept goes to IST2,
-/// a miss home.  One test a cycle when fed; a pass takes `PassLatency` cycles from the RA's answer.  Nothing inside ever
-/// stalls: each queue has a place for every slot, and a slot is given back only when its result has left.
-/// Without `EarlyExit` each test goes on to IST2, as a miss when it has failed.
+/// a miss home.  One test a cycle when fed; a pass takes `PassLatency` cycles from the RA's answer.  Nothing inside
+/// ever stalls: each queue has a place for every slot, and a slot is given back only when its result has left. Without
+/// `EarlyExit` each test goes on to IST2, as a miss when it has failed.
 module ti_woop_ist1 #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned Rows = 2,

@@ -3,7 +3,8 @@
 `include "ti_assert.svh"
 `include "ti_reset.svh"
 
-/// IST2 of Woop's triangle test: distance and barycentric coordinates of a test that is kept, on 4 ADD, 7 MUL and 1 RCP.
+/// IST2 of Woop's triangle test: distance and barycentric coordinates of a test that is kept, on 4 ADD, 7 MUL and 1
+/// RCP.
 ///
 /// det = (U + V) + W, depth = (U A.z + V B.z) + W C.z, r = 1 / det, t = (depth * r) * sz, u = V * r, v = W * r.
 /// Fixed latency inside, `Latency` cycles to the output queue; credits in front hold back what the queue could not

@@ -4,7 +4,7 @@
 ///
 /// inv = 1/d, t = (plane - o) * inv for the near and the far plane (slabs, Kay and Kajiya 1986), each with its own
 /// origin: near is lo, hi for a negative direction.  An axis whose inverse is infinite is parallel: its near and far
-/// mean nothing, and o lies outside when lo - o > 0 or hi - o < 0.  All values are rounded to nearest even after each operation.
+/// mean nothing, and o lies outside when lo - o > 0 or hi - o < 0.  All values are rounded after each operation.
 /// `Latency` cycles, one axis a cycle, no stall.  1 RCP, 2 ADD, 2 MUL.
 module ti_rd_axis #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),

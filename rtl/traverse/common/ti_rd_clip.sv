@@ -5,21 +5,19 @@
 
 /// Set-up of a ray: the inverse direction and the interval inside the scene box, of a thick ray from its two origins.
 ///
-/// A ray in `RayCycles` steps.  Lane 0 takes one of the first `RayCycles` axes in each step; each further axis has
-/// a lane of its own and enters it one cycle after the axis before.  So the interval is gathered axis by axis, one
+/// A ray in `RayCycles` steps.  Lane 0 takes one of the first `RayCycles` axes in each step; each further axis has a
+/// lane of its own and enters it one cycle after the axis before.  So the interval is gathered axis by axis, one
 /// comparison of each end in a cycle, and the same number of cycles after the first step for each `RayCycles`:
-/// `Latency` cycles after the last step; no stall.
-/// An axis whose inverse is infinite is parallel: it sets no bound, and the ray misses when o lies
-/// outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward by `Outward` ulp, which covers
-/// the three roundings; the ray misses when tmin > tmax, tmin' > tmax' or tmax' < 0.
+/// `Latency` cycles after the last step; no stall. An axis whose inverse is infinite is parallel: it sets no bound, and
+/// the ray misses when o lies outside.  tmin' = max(tmin, 0, near t's), tmax' = min(tmax, far t's), each moved outward
+/// by `Outward` ulp, which covers the three roundings; the ray misses when tmin > tmax, tmin' > tmax' or tmax' < 0.
 /// With u = 2^-(FracBits+1) an ulp is at least u of its number, so k of them upward are a factor of at least (1 + u)^k.
 /// t is at least (1 - a)^2 (1 - H u) of what it stands for, with a = u to nearest and 2 u toward zero, and H half ulps
 /// the error of the reciprocal, by division 1 or 2.  k = H + 3, or H + 6 toward zero, is enough for FracBits >= 2 and
-/// H^2 <= 2^(FracBits+1), which `scripts/configure.py` holds; downward it asks for no more.  `docs/fp.md` says what is lost where inverses end at
-/// the largest number, and where subnormals are flushed.
-/// A ray with a NaN or infinite o or d, a NaN tmin or tmax, or three parallel axes is invalid; without `AnyHit` so is
-/// an any-hit ray.
-/// A lane has 1 RCP, 2 ADD, 2 MUL, 2 CMP; 2 CMP for all.
+/// H^2 <= 2^(FracBits+1), which `scripts/configure.py` holds; downward it asks for no more.  `docs/fp.md` says what is
+/// lost where inverses end at the largest number, and where subnormals are flushed. A ray with a NaN or infinite o or
+/// d, a NaN tmin or tmax, or three parallel axes is invalid; without `AnyHit` so is an any-hit ray. A lane has 1 RCP, 2
+/// ADD, 2 MUL, 2 CMP; 2 CMP for all.
 module ti_rd_clip #(
   /// Cycles a ray, 1 to 3.
   parameter int unsigned RayCycles = ti_config_pkg::RdCycles,

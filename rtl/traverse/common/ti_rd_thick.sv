@@ -8,7 +8,7 @@
 ///
 /// A is the largest |plane - o| of the scene box; the thickness has the fraction of A and an exponent lower by
 /// `Places`, at least 1: 2^k u A with u = 2^-(FracBits+1), 32 u A by division to nearest.  On each axis the origins
-/// are o + thickness and o - thickness, each moved outward by one more ulp; near is the one farther along the
+/// are o + thickness and o - thickness, each moved outward by one more ulp; `least` is the one farther along the
 /// direction.  What the thickness covers is added up in `sw/model/rd.hpp`.
 /// A ray in `RayCycles` steps, as `ti_rd_clip` takes it: lane 0 has the axis of the step, each further axis a lane of
 /// its own in the last step.  `Latency` cycles, no stall.  A lane has 4 ADD.

@@ -2,15 +2,14 @@
 
 /// What a ray does after a node: the traversal rules of `docs/architecture.md`, combinational.
 ///
-/// Inner node: near only when not t < tmax (also when t is NaN), else far only when t <= tmin, else near with
-/// tmax := t and the far child pushed.  The near child is the adjacent one exactly when the sign of the
-/// direction XNOR the node's reorder flag (ODFL, Nah et al. 2011).  `<=` makes restarts end.
-/// Leaf: on to the top of the short stack; else, if an entry was dropped, restart from the root at the
-/// leaf's exit; else the end.  A `StackDepth` of 0 drops every entry.  Without `Restart` the stack holds every entry
-/// that a tree can ask of it (`ti_kd_state` watches), none is dropped, and no ray restarts.  An empty leaf also ends a ray whose best t
-/// does not exceed the exit; a leaf with triangles leaves that to `ti_trv_return`.  2 CMP.
-/// The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's interval, moved outward by `Guard` ulp, and
-/// not beyond the best t; without `IntervalCull` from 0 to the best t.
+/// Inner node: near only when not t < tmax (also when t is NaN), else far only when t <= tmin, else near with tmax := t
+/// and the far child pushed.  The near child is the adjacent one exactly when the sign of the direction XNOR the node's
+/// reorder flag (ODFL, Nah et al. 2011).  `<=` makes restarts end. Leaf: on to the top of the short stack; else, if an
+/// entry was dropped, restart from the root at the leaf's exit; else the end.  A `StackDepth` of 0 drops every entry.
+/// Without `Restart` the stack holds every entry that a tree can ask of it (`ti_kd_state` watches), none is dropped,
+/// and no ray restarts.  An empty leaf also ends a ray whose best t does not exceed the exit; a leaf with triangles
+/// leaves that to `ti_trv_return`.  2 CMP. The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's
+/// interval, moved outward by `Guard` ulp, and not beyond the best t; without `IntervalCull` from 0 to the best t.
 module ti_kd_decide #(
   parameter int unsigned StackDepth = 4,
   parameter bit Restart = 1'b1,

@@ -5,12 +5,12 @@
 
 /// What a TRV remembers of each slot between steps: interval, step count, node, and the short stack.
 ///
-/// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at
-/// the outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state.
-/// The stack of a slot is a ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring
-/// overwrites the oldest, and with a `StackDepth` of 0 there is none.  Without `Restart` nothing is pushed onto a full
-/// stack, so that an entry's place is its level, and the ring's pointer and the flag of a dropped entry are not there.  A slot that has just been taken reads as a
-/// fresh ray, so a start writes the interval alone.
+/// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at the
+/// outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state. The stack of a slot is a
+/// ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring overwrites the oldest, and with a
+/// `StackDepth` of 0 there is none.  Without `Restart` nothing is pushed onto a full stack, so that an entry's place is
+/// its level, and the ring's pointer and the flag of a dropped entry are not there.  A slot that has just been taken
+/// reads as a fresh ray, so a start writes the interval alone.
 module ti_kd_state #(
   parameter int unsigned NumSlots = 8,
   parameter int unsigned StackDepth = 4,
