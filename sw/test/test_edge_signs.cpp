@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -67,25 +68,50 @@ TEST_CASE("signs: a rounded product less another never has the wrong sign") {
   }
 }
 
+using Single = Fp<8, 23>;
+
+/// A corner in the plane z = 3.
+Vec3<Single> corner(double x, double y) {
+  return {Single::from_double(x), Single::from_double(y), Single::from_double(3.0)};
+}
+
+/// The ray along z from the origin.
+std::optional<model::Edges<Single>> edges_of(const std::array<Vec3<Single>, 3>& triangle) {
+  const Single one = Single::from_double(1.0);
+  return model::edge_functions(triangle, Vec3<Single>{}, {.z = 2, .sx = {}, .sy = {}, .sz = one});
+}
+std::optional<model::Candidate<Single>> hit_of(const std::array<Vec3<Single>, 3>& triangle) {
+  const auto edges = edges_of(triangle);
+  return edges ? model::pass_c(*edges, Single::from_double(1.0)) : std::nullopt;
+}
+
 TEST_CASE("signs: a needle as wide as an ulp is hit from beyond its end") {
   // It points at the ray, and its nearer end is 2.2 away: the errors of corners do not bound how
   // far from its outline a triangle is hit whose products round to the same number.
-  using F = Fp<8, 23>;
-  const auto at = [](double x, double y) {
-    return Vec3<F>{F::from_double(x), F::from_double(y), F::from_double(3.0)};
-  };
-  const std::array<Vec3<F>, 3> needle{at(0x1.8bb342p+1, 0x1.38da8cp+1),
-                                      at(0x1.b9fa2cp+0, 0x1.5d711cp+0),
-                                      at(0x1.b9fa2cp+0, 0x1.5d711ep+0)};
-  const F one = F::from_double(1.0);
-  const auto edges =
-      model::edge_functions(needle, Vec3<F>{}, {.z = 2, .sx = {}, .sy = {}, .sz = one});
+  const std::array<Vec3<Single>, 3> needle{corner(0x1.8bb342p+1, 0x1.38da8cp+1),
+                                           corner(0x1.b9fa2cp+0, 0x1.5d711cp+0),
+                                           corner(0x1.b9fa2cp+0, 0x1.5d711ep+0)};
+  const auto edges = edges_of(needle);
   REQUIRE(edges);
   CHECK(edges->weight[1].is_zero());
   CHECK(edges->weight[2].is_zero());
-  const auto hit = model::pass_c(*edges, one);
+  const auto hit = hit_of(needle);
   REQUIRE(hit);
   CHECK(hit->t.to_double() == 3.0);
+}
+
+TEST_CASE("signs: a needle with three false zeros is missed, and a neighbour is hit in its place") {
+  // The ray meets it: the exact weights are -1.5e-7, -1.2e-7 and -8.7e-9.
+  const Vec3<Single> a = corner(0x1.c97afap+0, 0x1.ca3808p+0);
+  const Vec3<Single> b = corner(-0x1.1f9032p+1, -0x1.200708p+1);
+  const Vec3<Single> c = corner(-0x1.486cdp+0, -0x1.48f48ap+0);
+  const auto edges = edges_of({a, b, c});
+  REQUIRE(edges);
+  for (const Single weight : edges->weight) CHECK(weight.is_zero());
+  CHECK(!hit_of({a, b, c}));
+  // Across its long edge, on either side.
+  CHECK(hit_of({b, a, corner(3.0, -3.0)}));
+  CHECK(hit_of({b, a, corner(-3.0, 3.0)}));
 }
 
 }  // namespace
