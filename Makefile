@@ -228,6 +228,9 @@ format: build/setup.stamp ## Lay out RTL, C++ and Python
 	@clang-format -i $$(find sw sim tb -name '*.cpp' -o -name '*.hpp')
 	@ruff format --quiet && ruff check --quiet --fix
 
+certify: model ## The error bounds that the machine leans on, proved by Gappa, beside those of the code (FORMATS="8,23 7,16" TEST=part_of_a_name OUT=)
+	@PYTHONPATH=build/sw python scripts/certify.py $(call opt,--formats,FORMATS) $(call opt,--only,TEST) --out $(call out,build/certify)
+
 fp-volume: sw ## C++ FP operators against MPFR, small formats in full (PAIRS=10000000 of the others)
 	@build/sw/fp_volume --pairs $(or $(call opt,,PAIRS),10000000) --seed $(or $(call opt,,SEED),1)
 
@@ -297,4 +300,4 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 
 FORCE:
 .PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase accuracy testfloat engine config sw test sim waves operators synth mutants timing lint \
-  effects-table second-opinion convergence format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized
+  effects-table second-opinion convergence format certify fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -184,6 +184,7 @@ def check(path: Path, schema: Schema, config: dict[str, object]) -> None:
         )
     check_range(path, config)
     check_reciprocal(path, config)
+    check_thickness(path, config)
     check_record(path, config)
     for unit in READERS:
         check_l1(path, config, unit)
@@ -241,6 +242,18 @@ def check_reciprocal(path: Path, config: dict[str, object]) -> None:
         raise ConfigError(
             f"{path}: fp_add_stages is {config['fp_add_stages']}, "
             f"but must be at most the stages of the reciprocal, {stages}"
+        )
+
+
+def check_thickness(path: Path, config: dict[str, object]) -> None:
+    """A thick ray covers the errors of test and walk, and is no thicker than A (`ti_rd_thick`)."""
+    operations = 34 if config["rounding"] == "zero" else 17
+    if config["traversal"] == "padded" and (
+        operations + 4 * reciprocal_half_ulps(config) > 2 << config["frac_bits"]
+    ):
+        raise ConfigError(
+            f"{path}: traversal is padded, but with frac_bits {config['frac_bits']} the rounding "
+            "errors of a ray are larger than the scene; take plain, or more bits"
         )
 
 

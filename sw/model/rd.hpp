@@ -64,7 +64,8 @@ struct Origins {
 ///   products;
 /// - a plane of the tree, 2 a + H: difference, inverse, product.
 /// In sum 17 a + 4 H, 21 by division to nearest; the thickness is the power of two that is not
-/// less.
+/// less. This is of first order; `docs/certificates.md` has the proof with all orders, and where it
+/// holds. A format too short for a thickness below A is refused by `scripts/configure.py`.
 template <class F>
 [[nodiscard]] std::uint32_t thickness_places() {
   const std::uint32_t covered =

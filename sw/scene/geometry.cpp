@@ -58,9 +58,8 @@ Surface surface_of(const Triangle& p, const Ray& ray, const Hit& hit) {
 ///   times 1 + L.
 double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal, Format format) {
   const double r = format.rounding_unit();
-  const double gamma = 7.0 * r / (1.0 - 7.0 * r);
+  const double gamma = kStandOffPoint * r / (1.0 - kStandOffPoint * r);
   constexpr double kWeightError = 0x1p-50;  // of a double 1 - u - v, and what follows from it
-  constexpr double kTest = 32.0;            // 7 + 21, and the second order
   constexpr double kUnderflow = 64.0;
   const double least = format.underflow_unit();
   const std::array<double, 3> weight{1.0 - hit.u - hit.v, hit.u, hit.v};
@@ -73,7 +72,8 @@ double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal, Fo
       glm::max(p[0], glm::max(p[1], p[2])) - glm::min(p[0], glm::min(p[1], p[2]));
   const double longest = std::max({extent.x, extent.y, extent.z});
   const double across = n.x + n.y + n.z - std::max({n.x, n.y, n.z});
-  return glm::dot(n, error) + kTest * r * across * longest + kUnderflow * least * (1.0 + longest);
+  return glm::dot(n, error) + kStandOffTest * r * across * longest +
+         kUnderflow * least * (1.0 + longest);
 }
 
 }  // namespace

@@ -33,6 +33,12 @@ struct Surface {
 };
 [[nodiscard]] Surface surface_at(const Mesh& mesh, const Ray& ray, const Hit& hit);
 
+/// Rounding errors of an interpolated point, and those of the test of a triangle by which an origin
+/// stands off its plane: 7 + 21, and the second order. `geometry.cpp` has the derivation,
+/// `scripts/certify.py` the proof.
+inline constexpr double kStandOffPoint = 7.0;
+inline constexpr double kStandOffTest = 32.0;
+
 /// Where rays leave a hit, for an engine of the number format `format`: on the triangle as that
 /// engine has it, its vertices rounded.
 ///

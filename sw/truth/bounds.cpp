@@ -188,8 +188,7 @@ TestBand woop_band(const BoundedOps& ops, const Corners& corners, const Ray& ray
   return band;
 }
 
-/// Static form of `woop_band`: a corner as seen is wrong by at most 6 u A and the error of a
-/// reciprocal, A the largest |p - o|.
+/// Static form of `woop_band`.
 bool may_meet_woop(const BoundedOps& ops, const Corners& corners, const Ray& ray) {
   const int iz = largest_axis(ray.d);
   const int ix = (iz + 1) % 3;
@@ -214,8 +213,9 @@ bool may_meet_woop(const BoundedOps& ops, const Corners& corners, const Ray& ray
       1.0 / std::abs(double{ray.d[iz]}) < ops.eta() * 0x1p26) {
     return true;
   }
-  const double seen = 2.0 * (6.0 * ops.u() + ops.reciprocal_u()) * far + 32.0 * ops.eta();
-  const double tolerance = 4.0 * (seen + ops.u() * wide) * (wide + seen) + 32.0 * ops.eta();
+  const double seen = static_corner(ops) * far + 32.0 * ops.eta();
+  const double tolerance =
+      kStaticBounds.weight * (seen + ops.u() * wide) * (wide + seen) + 32.0 * ops.eta();
   bool plus = true;
   bool minus = true;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -324,16 +324,16 @@ bool may_meet(const BoundedOps& ops, const TestConstants& tri, const Ray& ray) {
   if (6.0 * (s0 + s1 + 1.0) * (a + 1.0) * (d + 1.0) > ops.max()) {
     return true;  // may overflow: the bounds below do not speak of that
   }
-  // Twice the first-order static bounds of numerics, and the underflow of every product, and of
-  // every sum where that is flushed.
-  const double u2 = 2.0 * ops.u();
+  // And the underflow of every product, and of every sum where that is flushed.
+  const double u = ops.u();
   const double tiny = 64.0 * ops.eta() * (1.0 + s0 + s1) * (1.0 + a) * (1.0 + d);
-  const double tol_u = 54.0 * u2 * s1 * a * d + tiny;
-  const double tol_v = 54.0 * u2 * s0 * a * d + tiny;
-  const double tol_w = 66.0 * u2 * (s0 + s1) * a * d + 15.0 * u2 * d + tiny;
+  const double tol_u = kStaticBounds.inside * u * s1 * a * d + tiny;
+  const double tol_v = kStaticBounds.inside * u * s0 * a * d + tiny;
+  const double tol_w =
+      kStaticBounds.sum * u * (s0 + s1) * a * d + kStaticBounds.sum_det * u * d + tiny;
   const double w = det - detu - detv;
-  const double tol_det = 9.0 * u2 * d + tiny;
-  const double tol_t = 12.0 * u2 * a + tiny;
+  const double tol_det = kStaticBounds.det * u * d + tiny;
+  const double tol_t = kStaticBounds.dett * u * a + tiny;
   const bool plus =
       det >= -tol_det && detu >= -tol_u && detv >= -tol_v && w >= -tol_w && dett >= -tol_t;
   const bool minus =

@@ -86,6 +86,25 @@ struct TestBand {
 [[nodiscard]] TestBand test_band(const BoundedOps& ops, const TestConstants& triangle,
                                  const Ray& ray);
 
+/// Factors of the static form of the bounds, in rounding units u, twice what first order gives or
+/// more, but for the last. A is the largest |p - o|, D the largest |d|, S the sum of the sizes of
+/// two stored edges. `scripts/certify.py` proves them.
+struct StaticBounds {
+  double det = 18.0;      ///< of D
+  double dett = 24.0;     ///< of A; of the test `Np` of all distances from the origin of space
+  double inside = 108.0;  ///< detu, detv: of S A D
+  double sum = 132.0;     ///< det - detu - detv: of both S, A D
+  double sum_det = 30.0;  ///< and of D
+  double corner = 12.0;   ///< a corner of Woop's test, and twice the error of a reciprocal: of A
+  double weight = 4.0;    ///< an edge function: `may_meet` has the rest
+};
+inline constexpr StaticBounds kStaticBounds;
+
+/// How far a corner of Woop's test may be seen from its place, of A.
+[[nodiscard]] inline double static_corner(const BoundedOps& ops) {
+  return kStaticBounds.corner * ops.u() + 2.0 * ops.reciprocal_u();
+}
+
 /// Whether the line of `ray` may meet the triangle by the static form of the same bounds; false
 /// only when `test_band` cannot be `possible` and the exact test misses too. About ten times as
 /// fast.

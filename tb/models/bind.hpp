@@ -15,4 +15,7 @@ void bind_units(nanobind::module_& module);
 /// The builder and the tracer: classes `Image` and `Tracer`.
 void bind_scene(nanobind::module_& module);
 
+/// `bounds_used(format)`: the error bounds that model, truth and scene lean on.
+void bind_bounds(nanobind::module_& module);
+
 }  // namespace ti

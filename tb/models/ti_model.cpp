@@ -10,4 +10,5 @@ NB_MODULE(ti_model, module) {
   ti::bind_fp(module);
   ti::bind_units(module);
   ti::bind_scene(module);
+  ti::bind_bounds(module);
 }

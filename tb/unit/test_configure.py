@@ -109,6 +109,18 @@ def test_an_adder_deeper_than_the_reciprocal_is_named(tmp_path):
     refused(script("tiny", *values, "--out", out), out, sentence)
 
 
+@pytest.mark.parametrize(("bits", "modes"), [(4, []), (5, ["rounding=zero"])])
+def test_a_thick_ray_of_too_few_bits_is_named(bits, modes, tmp_path):
+    out = tmp_path / "config"
+    words = ["traversal=padded", "exp_bits=5", "fp_add_stages=4", *modes]
+    refused(
+        script("tiny", *words, f"frac_bits={bits - 1}", "--out", out),
+        out,
+        f"traversal is padded, but with frac_bits {bits - 1} the rounding errors",
+    )
+    assert configure.load("tiny", [*words, f"frac_bits={bits}"])
+
+
 @pytest.mark.parametrize(
     ("values", "sentence"),
     [
