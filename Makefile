@@ -115,6 +115,12 @@ accuracy_scenes = $(or $(value SCENES),$(closed_names))
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
+cases = $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl)
+case_waves = $(filter-out 0,$(value WAVES))
+case_out = $(call out,build/hardcase/$(value ID))
+case_engine = $(if $(case_waves),$(waves_engine),$(engine))
+# A library that writes waves has a folder of its own, and is built when it is asked for.
+waves_engine = build/waves/$(notdir $(engine))
 # Of the package in scripts/extra-packages.txt.
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
@@ -154,18 +160,12 @@ hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,
 	  --out $(call out,build/hardcases) || status=$$?; [[ $$status -lt 2 ]] || exit $$status; \
 	for engine in $(case_engines); do echo; echo "$(notdir $(config)), $$engine:"; $(ti) hardcases --file $(cases) \
 	  --config $(config)/config.json --engine $$engine $(if $(filter rtl,$(case_engines)),--rtl $(engine)/libti_rtl.so) || status=$$?; done; exit $$status
-cases = $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl)
 
 hardcase: need-ID check-engine config $(ti) $(foreach e,$(case_engines),$(if $(case_waves),$(if $(filter rtl,$(e)),waves-engine),$(call library,$(e)))) ## One of them, with its steps from model and RTL (ID= FILE= CONFIG= ENGINE= WAVES=1 OUT=)
-	@$(foreach e,$(case_engines),$(ti) hardcases --file $(cases) --config $(config)/config.json --engine $(e) \
+	@status=0; $(foreach e,$(case_engines),$(ti) hardcases --file $(cases) --config $(config)/config.json --engine $(e) \
 	  --id $(call q,ID) --out $(case_out) $(if $(filter rtl,$(e)),--rtl $(case_engine)/libti_rtl.so \
-	  $(if $(case_waves),--waves-file $(case_out)/ray-0.fst)) &&) \
-	$(if $(case_waves),$(if $(filter rtl,$(case_engines)),scripts/show_waves.sh ti_engine $(case_out)/ray-0.fst $(engine)/config,true),true)
-case_waves = $(filter-out 0,$(value WAVES))
-case_out = $(call out,build/hardcase/$(value ID))
-case_engine = $(if $(case_waves),$(waves_engine),$(engine))
-# A library that writes waves has a folder of its own, and is built when it is asked for.
-waves_engine = build/waves/$(notdir $(engine))
+	  $(if $(case_waves),--waves-file $(case_out)/ray-0.fst)) || status=$$?; [[ $$status -lt 2 ]] || exit $$status;) \
+	$(if $(case_waves),$(if $(filter rtl,$(case_engines)),scripts/show_waves.sh ti_engine $(case_out)/ray-0.fst $(engine)/config;)) exit $$status
 
 waves-engine: config build/sw/libti_sw.a
 	@mkdir -p $(waves_engine)

@@ -25,5 +25,5 @@ elif command -v surfer >/dev/null; then
   echo "waves: surfer --command-file $view $fst"
   [ -z "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] || surfer --command-file "$view" "$fst" >/dev/null 2>&1 &
 else
-  echo "waves: no viewer here; 'scripts/setup.sh --extra' installs GTKWave"
+  echo "waves: GTKWave or Surfer opens it, and neither is here; 'scripts/setup.sh --extra' installs GTKWave"
 fi

@@ -32,7 +32,7 @@ HARNESS_FLAGS := -std=c++20 -O2 -g1 -fPIC -fvisibility=hidden -Wall -Wextra -Wer
 verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)
 verilator_includes = -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
 LINK_FLAGS := -shared -Wl,-Bsymbolic -Wl,--exclude-libs,ALL
-LIBRARIES := -lfmt -pthread -latomic $(if $(waves),-lz)
+LIBRARIES := -lfmt -pthread -latomic $(if $(waves),-lz -llz4)
 
 # The library that `ti` and the Python module load; it shows one symbol.
 $(library): $(harness) $(dram) $(engine)/dram $(verilated)/stamp build/sw/libti_sw.a

@@ -267,7 +267,7 @@ Interval wilson(std::uint64_t count, std::uint64_t of) {
   const double middle = (share + kZ * kZ / (2.0 * n)) / (1.0 + kZ * kZ / n);
   const double half =
       kZ / (1.0 + kZ * kZ / n) * std::sqrt(share * (1.0 - share) / n + kZ * kZ / (4.0 * n * n));
-  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
+  return {count == 0 ? 0.0 : middle - half, count == of ? 1.0 : middle + half};
 }
 
 std::vector<VolumeRow> volumes(const Mesh& mesh, const std::vector<std::string>& kinds,

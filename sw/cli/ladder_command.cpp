@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "base/error.hpp"
@@ -27,35 +26,56 @@ std::string cases_text(const std::vector<HardCase>& cases, const std::vector<Run
   return table_of(cases, rungs, rows) + "\n" + kLegend;
 }
 
-/// The cells that fail, a line each.
-std::string failures_of(const std::vector<HardCase>& cases, const std::vector<Rung>& rungs,
-                        const std::vector<CaseRow>& rows) {
+/// What traces a case of a file alone on a machine, on model and RTL.
+std::string repeat(const std::string& file, const HardCase& c, const Rung& rung) {
+  const std::string& name = rung.config.name;  // of a configuration, then its overrides
+  const auto space = name.find(' ');
+  const std::string overrides = space == std::string::npos ? "" : name.substr(space + 1) + " ";
+  return fmt::format(
+      "make hardcase ID={} CONFIG={} SET=\"{}exp_bits={} frac_bits={} triangle_test={} "
+      "traversal={}\" FILE={}",
+      c.n, name.substr(0, space), overrides, rung.config.exp_bits, rung.config.frac_bits, rung.test,
+      rung.config.traversal == Traversal::kPadded ? "padded" : "plain", file);
+}
+
+/// What is not as it must be, a line or two each.
+struct Failures {
+  int count = 0;
   std::string text;
+
+  void add(const std::string& what) {
+    ++count;
+    text += "failed: " + what + "\n";
+  }
+};
+
+/// The cells that fail.
+void add_cases(Failures& failures, const std::string& file, const std::vector<HardCase>& cases,
+               const std::vector<Rung>& rungs, const std::vector<CaseRow>& rows) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     for (std::size_t r = 0; r < rungs.size(); ++r) {
       const CaseResult& result = rows[i][r];
       if (result.pass()) continue;
-      text += fmt::format("failed: case {} with {}: required {}, got {}\n", cases[i].n,
-                          rungs[r].name(), result.required, result.text);
+      failures.add(fmt::format("case {} with {}: required {}, got {}\nrepeat: {}", cases[i].n,
+                               rungs[r].name(), result.required, result.text,
+                               repeat(file, cases[i], rungs[r])));
     }
   }
-  return text;
 }
 
-/// The promises that do not hold, a line each.
-std::string broken_of(const std::vector<Rung>& rungs, const std::vector<VolumeRow>& rows) {
-  std::string text;
+/// The promises that do not hold.
+void add_volumes(Failures& failures, const std::vector<Rung>& rungs,
+                 const std::vector<VolumeRow>& rows) {
   for (const VolumeRow& row : rows) {
     for (std::size_t r = 0; r < rungs.size(); ++r) {
       for (const VolumeCount& what : kVolumeCounts) {
         const std::uint64_t count = row.errors[r].*what.count;
         if (count == 0 || !promised_none(rungs[r], what)) continue;
-        text += fmt::format("failed: {} of {} rays {} with {}: {}, promised none\n", what.name,
-                            row.errors[r].rays, row.kind, rungs[r].name(), count);
+        failures.add(fmt::format("{} of {} rays {} with {}: {}, promised none", what.name,
+                                 row.errors[r].rays, row.kind, rungs[r].name(), count));
       }
     }
   }
-  return text;
 }
 
 }  // namespace
@@ -86,15 +106,17 @@ int ladder(const Arguments& arguments) {
     for (const VolumeCount& what : kVolumeCounts) text += "\n" + table_of(what, rungs, counted);
     fmt::print("{}\n", table_of(kVolumeCounts.front(), rungs, counted));
   }
-  const std::string failed = failures_of(cases, rungs, rows) + broken_of(rungs, counted);
+  Failures failures;
+  add_cases(failures, arguments.cases_file, cases, rungs, rows);
+  add_volumes(failures, rungs, counted);
   const auto table = out / "table.md";
   const auto lines = out / "hardcases.json";
   const std::string json = lines_of(cases, rungs, rows) + lines_of(rungs, counted);
   write_files({{table, text}, {lines, json}});
-  fmt::print("{}{} cases and {} kinds of rays on {} machines, {} failed\n{}\n{}\n", failed,
-             cases.size(), counted.size(), rungs.size(),
-             std::count(failed.begin(), failed.end(), '\n'), table.string(), lines.string());
-  return failed.empty() ? kGood : kChecksFailed;
+  fmt::print("{}{} cases and {} kinds of rays on {} machines, {} failed\n{}\n{}\n", failures.text,
+             cases.size(), counted.size(), rungs.size(), failures.count, table.string(),
+             lines.string());
+  return failures.count == 0 ? kGood : kChecksFailed;
 }
 
 }  // namespace ti
