@@ -35,8 +35,8 @@ Ray AimedRays::operator()(std::uint64_t index) const {
   glm::dvec3 place = at_vertex ? a : a + random.uniform() * (b - a);
   glm::dvec3 o = centre_ + 1.2 * radius_ * random.ball();
   if (aim_ == Aim::Far) {
-    o = centre_ +
-        radius_ * portable_exp2(kFarOctaves * random.uniform()) * glm::normalize(random.ball());
+    const double away = radius_ * portable_exp2(kFarOctaves * random.uniform());
+    o = centre_ + away * glm::normalize(random.ball());
   } else if (aim_ == Aim::Grazing) {
     place += random.uniform() * (c - place);
     const glm::dvec3 normal = glm::cross(b - a, c - a);
