@@ -39,6 +39,7 @@ TESTS ?=
 TRAVERSALS ?=
 RTL ?=
 SCHEDULER ?=
+WAVES ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -114,6 +115,12 @@ accuracy_scenes = $(or $(value SCENES),$(closed_names))
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
+cases = $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl)
+case_waves = $(filter-out 0,$(value WAVES))
+case_out = $(call out,build/hardcase/$(value ID))
+case_engine = $(if $(case_waves),$(waves_engine),$(engine))
+# A library that writes waves has a folder of its own, and is built when it is asked for.
+waves_engine = build/waves/$(notdir $(engine))
 # Of the package in scripts/extra-packages.txt.
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
@@ -147,13 +154,22 @@ gallery_words := CONFIG SET CORES ENGINE MEM MEM_LATENCY MEM_BANDWIDTH SIZE SPP 
 image: config build/sw/ti $(call made,$(value SCENE)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)
 
-hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## Hard cases on model and RTL (FILE= CONFIG= ENGINE=)
-	@$(foreach e,$(case_engines),$(ti) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
-	  --config $(config)/config.json --engine $(e) $(call rtl,$(e)) &&) true
+hardcases: check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) $(call made,icosphere) ## Hard cases and rays in volume in each format and test, a table; and those of CONFIG= on model and RTL (FORMATS="8,23 7,16" TESTS="local woop" N=100000 FILE= CONFIG= ENGINE= SEED= OUT=)
+	@status=0; $(ti) ladder --file $(cases) --config $(config)/config.json --scene build/scenes/icosphere.ply \
+	  $(call opt,--formats,FORMATS) $(call opt,--tests,TESTS) $(call opt,--seed,SEED) --count $(or $(call opt,,N),5000) \
+	  --out $(call out,build/hardcases) || status=$$?; [[ $$status -lt 2 ]] || exit $$status; \
+	for engine in $(case_engines); do echo; echo "$(notdir $(config)), $$engine:"; $(ti) hardcases --file $(cases) \
+	  --config $(config)/config.json --engine $$engine $(if $(filter rtl,$(case_engines)),--rtl $(engine)/libti_rtl.so) || status=$$?; done; exit $$status
 
-hardcase: need-ID check-engine config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) ## One of them, with its steps from model and RTL (ID= FILE= CONFIG= ENGINE= OUT=)
-	@$(foreach e,$(case_engines),$(ti) hardcases --file $(if $(value FILE),$(call q,FILE),scenes/hardcases.jsonl) \
-	  --config $(config)/config.json --engine $(e) $(call rtl,$(e)) --id $(call q,ID) --out $(call out,build/hardcase/$(value ID)) &&) true
+hardcase: need-ID check-engine config $(ti) $(foreach e,$(case_engines),$(if $(case_waves),$(if $(filter rtl,$(e)),waves-engine),$(call library,$(e)))) ## One of them, with its steps from model and RTL (ID= FILE= CONFIG= ENGINE= WAVES=1 OUT=)
+	@status=0; $(foreach e,$(case_engines),$(ti) hardcases --file $(cases) --config $(config)/config.json --engine $(e) \
+	  --id $(call q,ID) --out $(case_out) $(if $(filter rtl,$(e)),--rtl $(case_engine)/libti_rtl.so \
+	  $(if $(case_waves),--waves-file $(case_out)/ray-0.fst)) || status=$$?; [[ $$status -lt 2 ]] || exit $$status;) \
+	$(if $(case_waves),$(if $(filter rtl,$(case_engines)),scripts/show_waves.sh ti_engine $(case_out)/ray-0.fst $(engine)/config;)) exit $$status
+
+waves-engine: config build/sw/libti_sw.a
+	@mkdir -p $(waves_engine)
+	@scripts/build_engine.sh $(waves_engine) $(MAKE) config=$(engine)/config waves=1 what="$(notdir $(config)), waves" $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
 
 testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
 	@scripts/logged.sh build/fp/$(fp)/build.log "build: FP operators ($(FORMAT))" \
@@ -299,5 +315,5 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase accuracy testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy testfloat engine config sw test sim waves operators synth mutants timing lint \
   effects-table second-opinion convergence format certify fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -10,7 +10,7 @@ name.
 
 A view for GTKWave is a save file, one for Surfer (`--surfer`) a file of commands.
 
-Usage: scripts/wave_view.py build/unit/UNIT/CONFIGURATION/TEST/dump.fst [--surfer] --out FILE
+Usage: scripts/wave_view.py DUMP.fst --unit UNIT --config FOLDER [--surfer] --out FILE
 """
 
 import argparse
@@ -314,13 +314,14 @@ def surfer(unit: str, known: Unit, dump: list[Variable]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("dump", type=Path)
+    parser.add_argument("--unit", required=True, help="module whose view it is")
+    parser.add_argument("--config", type=Path, required=True, help="folder of configure.py")
     parser.add_argument("--surfer", action="store_true", help="for Surfer in place of GTKWave")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
     try:
-        build = arguments.dump.resolve().parents[1]  # tb/agents/bench.py makes these folders
-        unit = build.parent.name
-        known = read_unit(unit, build / "config")
+        unit = arguments.unit
+        known = read_unit(unit, arguments.config)
         write = surfer if arguments.surfer else gtkwave
         arguments.out.write_text(write(unit, known, read_dump(arguments.dump)))
     except (ViewError, OSError) as error:

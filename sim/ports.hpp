@@ -11,6 +11,7 @@
 #include "engine/engine.hpp"
 #include "memory.hpp"
 #include "ti_config.hpp"
+#include "waves.hpp"
 
 /// The ports of an engine: clock and reset, and what the payloads on them are in C++.
 namespace ti::sim {
@@ -37,15 +38,16 @@ void set_bit(Port& port, int index, bool value) {
 }
 
 /// One cycle.
-inline void step(Vti_engine& top) {
-  top.clk_i = 0;
-  top.eval();
-  top.clk_i = 1;
-  top.eval();
+inline void step(Vti_engine& top, Waves& waves) {
+  for (const std::uint8_t clock : {0, 1}) {
+    top.clk_i = clock;
+    top.eval();
+    waves.sample();
+  }
 }
 
 /// All inputs are as if nobody were there; the scene is not set.
-inline void reset(Vti_engine& top) {
+inline void reset(Vti_engine& top, Waves& waves) {
   top.flush_i = 0;
   top.ray_valid_i = 0;
   top.hit_ready_i = 0;
@@ -53,9 +55,9 @@ inline void reset(Vti_engine& top) {
   top.m_axi_rvalid = 0;
   top.count_run_i = 0;
   top.rst_ni = 0;
-  for (int i = 0; i < 4; ++i) step(top);
+  for (int i = 0; i < 4; ++i) step(top, waves);
   top.rst_ni = 1;
-  step(top);
+  step(top, waves);
 }
 
 /// `scene_i`: where the parts of an image are that stands at `Memory::kBase`.

@@ -59,7 +59,10 @@ class RtlEngine final : public Engine {
     }
     start();
   }
-  ~RtlEngine() override { top_->final(); }
+  ~RtlEngine() override {
+    top_->final();
+    waves_.close();
+  }
 
   [[nodiscard]] Format format() const override { return sim::kFormat; }
 
@@ -98,15 +101,18 @@ class RtlEngine final : public Engine {
 
   /// A machine after its reset, caches cold.
   void start() {
+    waves_.close();
     top_.reset();
     context_ = std::make_unique<VerilatedContext>();
+    sim::Waves::prepare(*context_);
     start_log();
     // With stalls, registers without a reset begin with random values, so that a missing one shows.
     context_->randReset(options_.stall_seed != 0 ? 2 : 0);
     context_->randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
     top_ = std::make_unique<Vti_engine>(context_.get());
+    if (!options_.waves_file.empty()) waves_.open(*top_, options_.waves_file);
     memory_ = sim::make_memory(image_, options_);
-    sim::reset(*top_);
+    sim::reset(*top_, waves_);
     sim::set_scene(*top_, image_);
     dealt_ = {};
   }
@@ -125,7 +131,7 @@ class RtlEngine final : public Engine {
     if (sent != 0) last_event_ = cycle_;
     const std::uint64_t answered = take_reads(top, *memory_);
     if (answered != 0) last_event_ = cycle_;
-    sim::step(top);
+    sim::step(top, waves_);
     memory_->tick();
     ++cycle_;
 
@@ -198,7 +204,7 @@ class RtlEngine final : public Engine {
   }
 
   /// Hits that come when every ray has.
-  static std::uint64_t late_hits(Vti_engine& top) {
+  std::uint64_t late_hits(Vti_engine& top) {
     std::uint64_t hits = 0;
     top.ray_valid_i = 0;
     top.m_axi_rvalid = 0;
@@ -206,7 +212,7 @@ class RtlEngine final : public Engine {
     for (int i = 0; i < kSilence; ++i) {
       hits +=
           static_cast<std::uint64_t>(std::popcount(static_cast<std::uint64_t>(top.hit_valid_o)));
-      sim::step(top);
+      sim::step(top, waves_);
     }
     return hits;
   }
@@ -255,7 +261,7 @@ class RtlEngine final : public Engine {
 
   /// The counters of the machine since its reset, added to those of machines given up before.
   [[nodiscard]] sim::Counters snapshot() {
-    sim::Counters counters(*top_, [this] { sim::step(*top_); });
+    sim::Counters counters(*top_, [this] { sim::step(*top_, waves_); });
     if (before_) counters += *before_;
     return counters;
   }
@@ -271,6 +277,7 @@ class RtlEngine final : public Engine {
   std::uint64_t patience_;
   std::mt19937_64 random_;
   std::unique_ptr<VerilatedContext> context_;
+  sim::Waves waves_;
   std::unique_ptr<Vti_engine> top_;
   std::unique_ptr<Memory> memory_;
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds the RTL as a library in the folder `engine`, whose `config` scripts/configure.py wrote.
+# Builds the RTL as a library in the folder `engine`, whose `config` scripts/configure.py wrote.  With
+# `waves=1` it can write a dump of all signals, and is some times as slow.
 # Run by scripts/build_engine.sh, in the environment of the Makefile.
 
 SHELL := /bin/bash
@@ -10,6 +11,7 @@ MAKEFLAGS += --no-print-directory
 
 q = '$(subst ','\'',$($(1)))'
 config := $(engine)/config
+waves ?=
 verilated := $(engine)/verilated
 library := $(engine)/libti_rtl.so
 what ?= $(notdir $(engine))
@@ -22,14 +24,15 @@ dram := $(or $(wildcard $(dram_library)),$(engine)/obj/no_dram.o)
 
 # Without -fno-dfg and -fno-table the instances of a unit would not share their code (sim.vlt).
 VERILATOR_FLAGS := --cc --top-module ti_engine --prefix Vti_engine -O3 -fno-dfg -fno-table \
-  --x-assign fast --x-initial unique -CFLAGS '-fPIC -fvisibility=hidden' $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert)
+  --x-assign fast --x-initial unique -CFLAGS '-fPIC -fvisibility=hidden' $(if $(filter-out 0,$(ASSERT)),--assert,--no-assert) \
+  $(if $(waves),--trace-fst --trace-structs)
 MODEL_FLAGS := OPT_FAST=-O2 OPT_SLOW=-O0 OPT_GLOBAL=-O2
 HARNESS_FLAGS := -std=c++20 -O2 -g1 -fPIC -fvisibility=hidden -Wall -Wextra -Werror -ffp-contract=off -MMD -MP \
-  -Isw -Isim -Ibuild/sw/generated -I$(config) -I$(verilated)
+  -Isw -Isim -Ibuild/sw/generated -I$(config) -I$(verilated) $(if $(waves),-DTI_WAVES)
 verilator_root = $(shell sed -n 's/^VERILATOR_ROOT *= *//p' $(verilated)/Vti_engine.mk)
 verilator_includes = -isystem $(verilator_root)/include -isystem $(verilator_root)/include/vltstd
 LINK_FLAGS := -shared -Wl,-Bsymbolic -Wl,--exclude-libs,ALL
-LIBRARIES := -lfmt -pthread -latomic
+LIBRARIES := -lfmt -pthread -latomic $(if $(waves),-lz -llz4)
 
 # The library that `ti` and the Python module load; it shows one symbol.
 $(library): $(harness) $(dram) $(engine)/dram $(verilated)/stamp build/sw/libti_sw.a

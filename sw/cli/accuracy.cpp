@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
+#include "cli/ray_source.hpp"
 #include "cli/traced_run.hpp"
 #include "io/file.hpp"
 
@@ -46,23 +47,6 @@ Json json_of(const std::string& kind, const HitErrors& errors) {
           {"restarts_per_ray", static_cast<double>(errors.work.restarts) / rays}};
 }
 
-/// The kinds that `text` names.
-std::vector<std::string> kinds_of(const std::string& text) {
-  std::istringstream words(text);
-  std::vector<std::string> kinds;
-  for (std::string kind; words >> kind;) {
-    const bool known = kind == "secondary" ||
-                       std::find(kAimNames.begin(), kAimNames.end(), kind) != kAimNames.end();
-    if (!known) {
-      throw Error(fmt::format("RAYS={}: there is no kind `{}` of rays; the kinds are {}, secondary",
-                              text, kind, fmt::join(kAimNames, ", ")));
-    }
-    kinds.push_back(kind);
-  }
-  if (kinds.empty()) throw Error("RAYS=: give kinds of rays, such as edges vertices");
-  return kinds;
-}
-
 }  // namespace
 
 int accuracy(Arguments& arguments) {
@@ -89,9 +73,10 @@ int accuracy(Arguments& arguments) {
     const auto aim = secondary ? Aim::Uniform : static_cast<Aim>(at - kAimNames.begin());
     const AimedRays rays(mesh, aim, arguments.seed);
     const HitErrors errors =
-        secondary ? secondary_errors(session.model(), exact, mesh, format, rays, arguments.count,
-                                     arguments.seed)
-                  : hit_errors(session.model(), exact, mesh, format, rays, arguments.count);
+        secondary
+            ? secondary_errors(session.model(), exact, mesh, format, rays, arguments.count,
+                               arguments.seed)
+            : hit_errors({&session.model()}, exact, mesh, format, rays, arguments.count).front();
     const double scale = 1e6 / static_cast<double>(std::max<std::uint64_t>(1, errors.rays));
     const auto rate = [scale](std::uint64_t n) { return static_cast<double>(n) * scale; };
     fmt::print("{:<11} {:>10} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>12.2f}\n", kind,

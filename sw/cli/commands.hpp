@@ -23,10 +23,13 @@ struct Arguments {
   std::string effects = "auto";
   std::string rays;
   std::string cases_file;
+  std::string formats = "5,10 8,13 7,16 8,20 8,23";  ///< of the ladder
+  std::string tests = "np local woop";
+  std::string ladder_rays = "uniform edges vertices grazing far secondary";
   std::optional<int> case_number;  ///< of hard cases: that one alone, with its steps
   std::string base_file;           ///< configuration that a machine was planned on; empty: none was
   std::filesystem::path keys;      ///< of machine: file for them; empty: render
-  std::uint64_t count = 100000;    ///< of accuracy: rays of each kind
+  std::uint64_t count = 100000;    ///< of accuracy and ladder: rays of each kind
   int spp = 1;
   int bounces = 4;
   std::string frames;  ///< of an animation; empty: a picture
@@ -43,6 +46,9 @@ int image(Arguments& arguments);
 /// Hits of the model against exact ones, for rays of several kinds; JSON in `arguments.run.out`.
 int accuracy(Arguments& arguments);
 int hardcases(const Arguments& arguments);
+/// All hard cases and kinds of rays on the model of each format and test; a table and JSON lines in
+/// the folder `arguments.run.out`.
+int ladder(const Arguments& arguments);
 /// The keys that a picture calls for, as `SET=` has them, in the file `arguments.run.out`.
 int machine(Arguments& arguments);
 

@@ -31,11 +31,17 @@ std::string hit_text(const Hit& hit) {
   return fmt::format("hit {} at {}", hit.prim, hit.t);
 }
 
+/// The exact t of a case that has one: as it is written, or near it where that is long.
+std::string t_text(const HardCase& c) {
+  return c.exact_t.size() <= 24 ? c.exact_t
+                                : fmt::format("{}", to_double(parse_rational(c.exact_t).value()));
+}
+
 /// Whether hit.t is the exact t of the case within the bound of the test of the reported triangle.
-bool t_within_bound(const HardCase& c, const Hit& hit, TestKind test) {
-  const BoundedOps ops(kBinary32);
+bool t_within_bound(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
+  const BoundedOps ops(format);
   const auto constants =
-      test_constants(c.mesh.corners(static_cast<std::size_t>(hit.prim)), kBinary32, test);
+      test_constants(c.mesh.corners(static_cast<std::size_t>(hit.prim)), format, test);
   if (!constants || !std::isfinite(hit.t)) {
     return false;
   }
@@ -49,57 +55,87 @@ bool t_within_bound(const HardCase& c, const Hit& hit, TestKind test) {
   return abs(mpq_class(double{hit.t}) - parse_rational(c.exact_t).value()) <= mpq_class(band.t.e);
 }
 
-CaseResult expect_miss(const Hit& hit) { return {!hit.is_hit(), false, "miss", hit_text(hit)}; }
+CaseOutcome outcome(bool pass) { return pass ? CaseOutcome::Pass : CaseOutcome::Fail; }
 
-CaseResult expect_hit(const HardCase& c, const Hit& hit, TestKind test,
-                      const std::vector<std::int32_t>& ids) {
-  CaseResult result{false, false, fmt::format("hit {} at {}", ids_text(ids), c.exact_t),
-                    hit_text(hit)};
-  if (!hit.is_hit()) {
+/// What passes by a rule passes by a policy.
+void by_policy(CaseResult& result, const std::string& name) {
+  if (result.pass()) result.outcome = CaseOutcome::Policy;
+  result.text += fmt::format(" ({})", name);
+}
+
+/// What an engine of a format with a test is held to by the rule of a case that is in the format.
+class Rules {
+ public:
+  Rules(const HardCase& c, const Hit& hit, const Format& format, TestKind test)
+      : c_(c), hit_(hit), format_(format), test_(test) {}
+
+  [[nodiscard]] CaseResult judge(CaseRule rule) const;
+
+ private:
+  [[nodiscard]] CaseResult miss() const {
+    return {outcome(!hit_.is_hit()), "miss", hit_text(hit_), ""};
+  }
+  [[nodiscard]] CaseResult hit(const std::vector<std::int32_t>& ids) const;
+  [[nodiscard]] CaseResult exact() const { return c_.exact_hit ? hit(c_.exact_ids) : miss(); }
+  [[nodiscard]] CaseResult policy() const;
+  [[nodiscard]] CaseResult watertight() const;
+  [[nodiscard]] CaseResult self() const;
+
+  const HardCase& c_;
+  const Hit& hit_;
+  Format format_;
+  TestKind test_;
+};
+
+CaseResult Rules::hit(const std::vector<std::int32_t>& ids) const {
+  CaseResult result{CaseOutcome::Fail, fmt::format("hit {} at {}", ids_text(ids), t_text(c_)),
+                    hit_text(hit_), ""};
+  if (!hit_.is_hit()) {
     return result;
   }
-  if (std::find(ids.begin(), ids.end(), hit.prim) == ids.end()) {
+  if (std::find(ids.begin(), ids.end(), hit_.prim) == ids.end()) {
     result.text += ", another triangle";
-  } else if (!t_within_bound(c, hit, test)) {
+  } else if (!t_within_bound(c_, hit_, format_, test_)) {
     result.text += ", t is beyond its bound";
   } else {
-    result.pass = true;
+    result.outcome = CaseOutcome::Pass;
   }
   return result;
 }
 
-CaseResult expect_exact(const HardCase& c, const Hit& hit, TestKind test) {
-  return c.exact_hit ? expect_hit(c, hit, test, c.exact_ids) : expect_miss(hit);
+/// Whether the exact t of the case is beyond the largest number of the format.
+bool t_overflows(const HardCase& c, const Format& format) {
+  return c.exact_hit && std::isinf(round_to(format, to_double(parse_rational(c.exact_t).value())));
 }
 
 /// A choice that the machine makes where the case leaves one; the first that applies counts.
 struct Policy {
   const char* name;
-  bool (*applies)(const HardCase&);
+  bool (*applies)(const HardCase&, const Format&);
   bool miss;  ///< the outcome; otherwise the exact result
 };
 
 constexpr std::array<Policy, 4> kPolicies{{
     {"invalid ray: no axis has a finite 1/d",
-     [](const HardCase& c) { return !valid_ray(c.ray, kBinary32); }, true},
+     [](const HardCase& c, const Format& format) { return !valid_ray(c.ray, format); }, true},
     {"hits behind the origin do not count",
-     [](const HardCase& c) { return c.exact_hit && sgn(parse_rational(c.exact_t).value()) < 0; },
-     true},
-    {"t beyond the range is a miss",
-     [](const HardCase& c) {
-       return c.exact_hit &&
-              std::isinf(round_to(kBinary32, to_double(parse_rational(c.exact_t).value())));
+     [](const HardCase& c, const Format&) {
+       return c.exact_hit && sgn(parse_rational(c.exact_t).value()) < 0;
      },
      true},
-    {"the interval is closed", [](const HardCase&) { return true; }, false},
+    {"t beyond the range is a miss", t_overflows, true},
+    {"the interval is closed", [](const HardCase&, const Format&) { return true; }, false},
 }};
 
-CaseResult expect_policy(const HardCase& c, const Hit& hit, TestKind test) {
-  const auto* policy = std::find_if(kPolicies.begin(), kPolicies.end(),
-                                    [&c](const Policy& p) { return p.applies(c); });
-  CaseResult result = policy->miss ? expect_miss(hit) : expect_exact(c, hit, test);
-  result.policy = true;
-  result.text += fmt::format(" ({})", policy->name);
+const Policy& policy_of(const HardCase& c, const Format& format) {
+  return *std::find_if(kPolicies.begin(), kPolicies.end(),
+                       [&](const Policy& p) { return p.applies(c, format); });
+}
+
+CaseResult Rules::policy() const {
+  const Policy& policy = policy_of(c_, format_);
+  CaseResult result = policy.miss ? miss() : exact();
+  by_policy(result, policy.name);
   return result;
 }
 
@@ -133,25 +169,90 @@ bool has_t_junction(const Mesh& mesh) {
   return false;
 }
 
-CaseResult expect_watertight(const HardCase& c, const Hit& hit, TestKind test) {
-  CaseResult result = expect_exact(c, hit, test);
-  if (!result.pass && has_t_junction(c.mesh)) {
-    result.pass = result.policy = true;
+CaseResult Rules::watertight() const {
+  CaseResult result = exact();
+  if (!result.pass() && has_t_junction(c_.mesh)) {
+    result.outcome = CaseOutcome::Policy;
     result.text += " (a T-junction: any result, but it ends)";
   }
   return result;
 }
 
-CaseResult expect_self(const HardCase& c, const Hit& hit, TestKind test) {
-  CaseResult result = hit.is_hit() ? expect_exact(c, hit, test) : expect_miss(hit);
-  result.policy = true;
-  result.text += " (whoever spawns the ray moves its origin off the surface)";
+CaseResult Rules::self() const {
+  CaseResult result = hit_.is_hit() ? exact() : miss();
+  by_policy(result, "whoever spawns the ray moves its origin off the surface");
   return result;
 }
 
-/// Shorter formats: exact arithmetic on the rounded case, and whatever the bounds of that format
+CaseResult Rules::judge(CaseRule rule) const {
+  switch (rule) {
+    case CaseRule::Exact:
+      return exact();
+    case CaseRule::Watertight:
+      return watertight();
+    case CaseRule::NoHit:
+      return miss();
+    case CaseRule::Tie:
+      return c_.exact_hit ? hit({*std::min_element(c_.exact_ids.begin(), c_.exact_ids.end())})
+                          : miss();
+    case CaseRule::Policy:
+      return policy();
+    case CaseRule::Self:
+      return self();
+  }
+  return {};
+}
+
+/// Why `format` cannot hold the case of which `rounded` is what is left; empty: it can.
+std::string why_absent(const HardCase& c, const HardCase& rounded, const Format& format,
+                       TestKind test) {
+  const auto overflows = [](float before, float after) {
+    return std::isfinite(before) && !std::isfinite(after);
+  };
+  for (int k = 0; k < 3; ++k) {
+    if (overflows(c.ray.o[k], rounded.ray.o[k]) || overflows(c.ray.d[k], rounded.ray.d[k])) {
+      return "the ray overflows";
+    }
+  }
+  if (overflows(c.ray.tmin, rounded.ray.tmin)) return "the ray overflows";
+  if (valid_ray(c.ray, kBinary32) && !valid_ray(rounded.ray, format)) return "1/d overflows";
+  for (std::size_t i = 0; i < c.mesh.triangles.size(); ++i) {
+    // Woop's test has no constants, so it drops only what is not finite or has no area.
+    if (!test_constants(c.mesh.corners(i), kBinary32, TestKind::Woop)) continue;
+    const Corners corners = rounded.mesh.corners(i);
+    if (test_constants(corners, format, test)) continue;
+    const bool finite = std::all_of(corners.begin(), corners.end(), [](const glm::vec3& p) {
+      return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    });
+    if (!finite) return "a corner overflows";
+    return test_constants(corners, format, TestKind::Woop) ? "a constant of the test overflows"
+                                                           : "a triangle loses its area";
+  }
+  return "";
+}
+
+/// Whether the squares of the distances of the exact hit from the origin of the ray leave the range
+/// of the format, or lose bits at its lower end.
+bool leaves_range(const HardCase& c, const Format& format) {
+  double far = 0.0;
+  for (const std::int32_t id : c.exact_ids) {
+    for (const glm::vec3& p : c.mesh.corners(static_cast<std::size_t>(id))) {
+      for (int k = 0; k < 3; ++k) far = std::max(far, std::abs(double{p[k]} - double{c.ray.o[k]}));
+    }
+  }
+  return c.exact_hit && (std::isinf(round_to(format, far * far)) ||
+                         far * far < std::ldexp(format.least_normal(), format.frac_bits));
+}
+
+/// Other formats: by the rule on the rounded case, or by whatever the bounds of that format
 /// explain.
 CaseResult judge_rounded(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
+  const HardCase rounded = rounded_case(c, format, test);
+  // A miss is required there by an exact result too, and every t must be in the range.
+  const CaseRule rule = t_overflows(rounded, format) ? CaseRule::Policy
+                        : c.rule == CaseRule::NoHit  ? CaseRule::Exact
+                                                     : c.rule;
+  CaseResult result = Rules(rounded, hit, format, test).judge(rule);
   const Truth truth(c.mesh, format, "", Truth::kLooks, test);
   const Truth::ExactHit exact = truth.exact(c.ray);
   Hit reference;
@@ -159,40 +260,78 @@ CaseResult judge_rounded(const HardCase& c, const Hit& hit, const Format& format
     reference.prim = exact.prims.front();
     reference.t = static_cast<float>(exact.t);
   }
-  CaseResult result{truth.judge(c.ray, hit, reference) != Verdict::Unexplained, false, "miss",
-                    hit_text(hit)};
-  if (exact.hit) {
-    result.required = fmt::format("hit {} at {} within the bounds", ids_text(exact.prims), exact.t);
+  result.absent = why_absent(c, rounded, format, test);
+  if (truth.judge(c.ray, hit, reference) == Verdict::Unexplained) {
+    result.outcome = CaseOutcome::Fail;
+    result.text += ", no bound explains it";
+  } else if (!result.absent.empty()) {
+    result.outcome = CaseOutcome::Absent;
+    result.text += fmt::format(" ({})", result.absent);
+  } else if (!result.pass()) {
+    const bool range = leaves_range(rounded, format);
+    result.outcome = range ? CaseOutcome::Range : CaseOutcome::Bound;
+    result.text += range ? ", products leave the range" : ", within the bounds";
   }
   return result;
 }
 
+/// The exact result of the mesh and the ray, tmin and tmax as they stand.
+void set_exact(HardCase& c, const Format& format, TestKind test) {
+  c.exact_hit = false;
+  c.exact_ids.clear();
+  c.exact_t.clear();
+  const glm::vec3 sum = c.ray.o + c.ray.d;
+  if (!std::isfinite(sum.x + sum.y + sum.z)) return;
+  mpq_class least;
+  for (std::size_t i = 0; i < c.mesh.triangles.size(); ++i) {
+    const Corners triangle = c.mesh.corners(i);
+    const auto met =
+        test_constants(triangle, format, test) ? exact_meeting(c.ray, triangle) : std::nullopt;
+    if (!met || !between_ends(c.ray, met->t)) continue;
+    if (c.exact_hit && met->t > least) continue;
+    if (!c.exact_hit || met->t < least) c.exact_ids.clear();
+    least = met->t;
+    c.exact_hit = true;
+    c.exact_ids.push_back(static_cast<std::int32_t>(i));
+  }
+  if (c.exact_hit) c.exact_t = least.get_str();
+}
+
 }  // namespace
+
+HardCase rounded_case(const HardCase& c, const Format& format, TestKind test) {
+  HardCase rounded = c;
+  rounded.ray = round_ray(c.ray, format);
+  for (glm::vec3& p : rounded.mesh.vertices) {
+    for (int k = 0; k < 3; ++k) p[k] = static_cast<float>(round_to(format, p[k]));
+  }
+  set_exact(rounded, format, test);
+  return rounded;
+}
+
+std::string oracle_of(const HardCase& c) {
+  switch (c.rule) {
+    case CaseRule::Policy:
+      return fmt::format("policy: {}", policy_of(c, kBinary32).name);
+    case CaseRule::Self:
+      return "exact, or a miss";
+    case CaseRule::Watertight:
+      return has_t_junction(c.mesh) ? "it ends" : "exact, any of the ids";
+    case CaseRule::Tie:
+      return "exact, the lowest id";
+    case CaseRule::Exact:
+    case CaseRule::NoHit:
+      break;
+  }
+  return "exact";
+}
 
 CaseResult judge_case(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
   if (hit.is_hit() && static_cast<std::size_t>(hit.prim) >= c.mesh.triangles.size()) {
-    return {false, false, "a triangle of the case", hit_text(hit)};
+    return {CaseOutcome::Fail, "a triangle of the case", hit_text(hit), ""};
   }
-  if (!(format == kBinary32)) {
-    return judge_rounded(c, hit, format, test);
-  }
-  switch (c.rule) {
-    case CaseRule::Exact:
-      return expect_exact(c, hit, test);
-    case CaseRule::Watertight:
-      return expect_watertight(c, hit, test);
-    case CaseRule::NoHit:
-      return expect_miss(hit);
-    case CaseRule::Tie:
-      return c.exact_hit ? expect_hit(c, hit, test,
-                                      {*std::min_element(c.exact_ids.begin(), c.exact_ids.end())})
-                         : expect_miss(hit);
-    case CaseRule::Policy:
-      return expect_policy(c, hit, test);
-    case CaseRule::Self:
-      return expect_self(c, hit, test);
-  }
-  return {};
+  return format == kBinary32 ? Rules(c, hit, format, test).judge(c.rule)
+                             : judge_rounded(c, hit, format, test);
 }
 
 int run_hardcases(const std::vector<HardCase>& cases, const CaseTracer& trace, const Format& format,
@@ -207,9 +346,9 @@ int run_hardcases(const std::vector<HardCase>& cases, const CaseTracer& trace, c
     } catch (const Error& error) {
       result.text = error.what();
     }
-    failures += result.pass ? 0 : 1;
+    failures += result.pass() ? 0 : 1;
     fmt::print("{:>4}  {:<58} {:<10} {:<8} {:<34} {}\n", c.n, c.name, rule_name(c.rule),
-               !result.pass ? "FAIL" : (result.policy ? "policy" : "pass"), result.required,
+               kOutcomeNames[static_cast<std::size_t>(result.outcome)], result.required,
                result.text);
   }
   fmt::print("{} cases, {} failed\n", cases.size(), failures);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -33,19 +34,41 @@ struct HardCase {
 /// in the form.
 [[nodiscard]] std::vector<HardCase> load_hardcases(const std::filesystem::path& path);
 
+/// How a case went; `docs/hardcases.md` has the words.
+enum class CaseOutcome : std::uint8_t {
+  Pass,    ///< what exact arithmetic requires
+  Bound,   ///< not that, but within the error bounds of the test in a format other than (8, 23)
+  Range,   ///< the same, of a triangle so far or near that products leave the range of the format
+  Policy,  ///< by a choice of ours that `docs/hardcases.md` writes down
+  Absent,  ///< the format cannot hold the case
+  Fail,
+};
+constexpr std::array<const char*, 6> kOutcomeNames{"pass",   "bound", "range",
+                                                   "policy", "n.a.",  "FAIL"};
+
 struct CaseResult {
-  bool pass = false;
-  bool policy = false;   ///< judged by a choice of ours that `docs/hardcases.md` writes down
+  CaseOutcome outcome = CaseOutcome::Fail;
   std::string required;  ///< what had to come out
   std::string text;      ///< what came out, and why that is right or wrong
+  std::string absent;    ///< why the format cannot hold the case; empty: it can
+
+  [[nodiscard]] bool pass() const { return outcome != CaseOutcome::Fail; }
 };
 
 /// Judges what an engine of `format` with that triangle test reported.
 ///
-/// (8, 23): by the results in the case. Shorter formats: the case is rounded first and its results
-/// are computed anew.
+/// (8, 23): by the results in the case. Other formats and modes: the case is rounded first and its
+/// results are computed anew by integers; what differs from them passes where the error bounds of
+/// the test in that format explain it.
 [[nodiscard]] CaseResult judge_case(const HardCase& hard_case, const Hit& hit,
                                     const Format& format = {}, TestKind test = TestKind::Local);
+
+/// The case as an engine of `format` sees it: numbers rounded, triangles that the builder drops for
+/// that test left out of its results, which are computed by integers of any length.
+[[nodiscard]] HardCase rounded_case(const HardCase& hard_case, const Format& format, TestKind test);
+
+/// How the required answer of a case is known.
+[[nodiscard]] std::string oracle_of(const HardCase& hard_case);
 
 /// Traces one ray through one mesh on an engine.
 using CaseTracer = std::function<Hit(const Mesh&, const Ray&)>;

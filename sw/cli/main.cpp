@@ -145,6 +145,24 @@ int run(int argc, char** argv) {
   CLI::Option* one = cases_command->add_option("--id", arguments.case_number,
                                                "number of one case, whose steps are written too");
   one->needs(cases_command->add_option("--out", arguments.run.out, "folder for the steps"));
+  cases_command
+      ->add_option("--waves-file", arguments.run.rtl.waves_file,
+                   "FST for every signal of the RTL in that case")
+      ->needs(one);
+
+  CLI::App* ladder_command = app.add_subcommand(
+      "ladder", "judge hard cases and rays in volume on the models of formats and tests");
+  add_config(*ladder_command, arguments);
+  add_scene(*ladder_command, arguments);
+  ladder_command->add_option("--file", arguments.cases_file, "cases, one JSON object a line")
+      ->required();
+  ladder_command->add_option("--formats", arguments.formats, "E,M of each, with spaces between");
+  ladder_command->add_option("--tests", arguments.tests, "of local, np, woop");
+  ladder_command->add_option("--rays", arguments.ladder_rays, "kinds of rays, with spaces between");
+  ladder_command->add_option("--count", arguments.count, "rays of each kind; 0: none")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 40));
+  ladder_command->add_option("--seed", arguments.seed, "of the rays");
+  ladder_command->add_option("--out", arguments.run.out, "folder for the table")->required();
 
   try {
     app.parse(argc, argv);
@@ -160,6 +178,7 @@ int run(int argc, char** argv) {
   if (trace_command->parsed()) return ti::trace(arguments);
   if (accuracy_command->parsed()) return ti::accuracy(arguments);
   if (image_command->parsed()) return ti::image(arguments);
+  if (ladder_command->parsed()) return ti::ladder(arguments);
   return ti::hardcases(arguments);
 }
 

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -19,9 +20,9 @@
 namespace ti {
 namespace {
 
-constexpr std::array<std::string_view, 11> kKinds{"random",  "inside", "primary",  "ao",
-                                                  "diffuse", "shadow", "edges",    "vertices",
-                                                  "grazing", "far",    "secondary"};
+constexpr std::array<std::string_view, 12> kKinds{"random",   "inside",  "primary", "ao",
+                                                  "uniform",  "diffuse", "shadow",  "edges",
+                                                  "vertices", "grazing", "far",     "secondary"};
 constexpr int kAoSamples = 16;
 constexpr double kAoRadius = 0.05;  // of the diagonal
 
@@ -136,6 +137,22 @@ std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tr
         source.kind, source.count));
   }
   return rays;
+}
+
+std::vector<std::string> kinds_of(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<std::string> kinds;
+  for (std::string kind; words >> kind;) {
+    const bool known = kind == "secondary" ||
+                       std::find(kAimNames.begin(), kAimNames.end(), kind) != kAimNames.end();
+    if (!known) {
+      throw Error(fmt::format("RAYS={}: there is no kind `{}` of rays; the kinds are {}, secondary",
+                              text, kind, fmt::join(kAimNames, ", ")));
+    }
+    kinds.push_back(kind);
+  }
+  if (kinds.empty()) throw Error("RAYS=: give kinds of rays, such as edges vertices");
+  return kinds;
 }
 
 }  // namespace ti

@@ -17,8 +17,8 @@ namespace ti {
 /// Kinds: `random` (around the mesh), `inside` (in its box, any direction), `primary` (camera), and
 /// from the hits of primary rays `ao` (16 any-hit rays a hit, 5 % of the scene's diagonal long),
 /// `diffuse` (one cosine-distributed closest-hit ray a hit), `shadow` (one any-hit ray a hit and
-/// light). For tests of accuracy those of `AimedRays`: `edges`, `vertices`, `grazing`, `far`; and
-/// `secondary`, one cosine-distributed ray from each hit of rays of any direction.
+/// light). For tests of accuracy those of `AimedRays`: `uniform`, `edges`, `vertices`, `grazing`,
+/// `far`; and `secondary`, one cosine-distributed ray from each hit of rays of any direction.
 struct RaySource {
   std::string file;  ///< empty: made
   std::string kind;
@@ -34,5 +34,9 @@ struct RaySource {
 /// than asked for when primary rays miss. Throws `Error` when there are none.
 [[nodiscard]] std::vector<Ray> make_rays(const RaySource& source, const Scene& scene,
                                          const Tracer& model, Format format, std::uint64_t seed);
+
+/// The kinds of rays that are counted in volume that `text` names: of `kAimNames`, or `secondary`.
+/// Throws `Error` for a word that is none, and when there is none.
+[[nodiscard]] std::vector<std::string> kinds_of(const std::string& text);
 
 }  // namespace ti

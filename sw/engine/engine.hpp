@@ -71,6 +71,8 @@ struct RtlOptions {
   std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
   std::filesystem::path log_file;        ///< to the end of this file
+  /// Write every signal to this FST; empty: none. Takes a library that was built for it.
+  std::filesystem::path waves_file;
   /// Called now and then with the rays answered and the cycles so far.
   std::function<void(std::uint64_t rays, std::uint64_t cycles)> progress;
 };
@@ -91,7 +93,7 @@ class Truth;
 
 /// What a library of `load_rtl_engine` offers, under the name `ti_rtl_plugin`.
 struct RtlPlugin {
-  static constexpr int kInterface = 2;  ///< raised whenever this struct or `Engine` changes
+  static constexpr int kInterface = 3;  ///< raised whenever this struct or `Engine` changes
   int interface = kInterface;
   const char* config = "";  ///< the keys that it was built for, as JSON
   Engine* (*make)(const Image& image, const RtlOptions& options) = nullptr;

@@ -36,6 +36,17 @@ BuildOptions build_options_of(const Config& config) {
   return options;
 }
 
+Tracer::Options tracer_options_of(const Config& config) {
+  return {.stack_depth = config.stack_depth,
+          .watchdog_steps = config.watchdog_steps,
+          .interval_cull = config.interval_cull,
+          .interval_guard = config.interval_guard,
+          .early_exit = config.early_exit,
+          .restart = config.restart,
+          .traversal = config.traversal,
+          .any_hit = config.any_hit};
+}
+
 SceneImage scene_image_of(const Scene& scene, const RunOptions& options) {
   BuildStats stats;
   if (!options.image.empty()) {
@@ -88,14 +99,7 @@ Session::Session(const RunOptions& options, Scene scene, SceneImage image)
       stats_(image.stats),
       warnings_(scene_.warnings),
       image_(std::move(image.image)),
-      model_(Tracer::create(image_, {.stack_depth = options_.config.stack_depth,
-                                     .watchdog_steps = options_.config.watchdog_steps,
-                                     .interval_cull = options_.config.interval_cull,
-                                     .interval_guard = options_.config.interval_guard,
-                                     .early_exit = options_.config.early_exit,
-                                     .restart = options_.config.restart,
-                                     .traversal = options_.config.traversal,
-                                     .any_hit = options_.config.any_hit})) {
+      model_(Tracer::create(image_, tracer_options_of(options_.config))) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
   if (options_.truth || options_.engine == EngineKind::Embree)

@@ -69,6 +69,8 @@ struct Wave {
 
 /// How the tree of a run is to be built.
 [[nodiscard]] BuildOptions build_options_of(const Config& config);
+/// How its model traces.
+[[nodiscard]] Tracer::Options tracer_options_of(const Config& config);
 
 /// What `work` gives; an `Error` of it names the scene of the run first.
 template <typename Work>

@@ -9,6 +9,8 @@
 
 namespace ti {
 
+constexpr double kFarOctaves = 9.965784284662087;  // of 1,000
+
 AimedRays::AimedRays(const Mesh& mesh, Aim aim, std::uint64_t seed)
     : mesh_(mesh), aim_(aim), seed_(seed) {
   const Bounds bounds = bounds_of(mesh).value_or(Bounds{});
@@ -33,14 +35,14 @@ Ray AimedRays::operator()(std::uint64_t index) const {
   glm::dvec3 place = at_vertex ? a : a + random.uniform() * (b - a);
   glm::dvec3 o = centre_ + 1.2 * radius_ * random.ball();
   if (aim_ == Aim::Far) {
-    o = centre_ +
-        radius_ * std::exp2(random.uniform() * std::log2(1000.0)) * glm::normalize(random.ball());
+    const double away = radius_ * portable_exp2(kFarOctaves * random.uniform());
+    o = centre_ + away * glm::normalize(random.ball());
   } else if (aim_ == Aim::Grazing) {
     place += random.uniform() * (c - place);
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const double length = glm::length(normal);
     const glm::dvec3 along = glm::normalize(b - a + (2.0 * random.uniform() - 1.0) * (c - a));
-    const double slope = std::exp2(-2.0 - 14.0 * random.uniform());
+    const double slope = portable_exp2(-2.0 - 14.0 * random.uniform());
     if (length > 0.0 && std::isfinite(along.x))
       o = place - 1.2 * radius_ * random.uniform() * (along + slope / length * normal);
   }

@@ -67,4 +67,16 @@ class Random {
   std::uint64_t state_;
 };
 
+/// 2^x for |x| < 1000 within three units in the last place, by the series of the exponential
+/// function: the same on every machine, which `std::exp2` need not be.
+[[nodiscard]] inline double portable_exp2(double x) {
+  constexpr double kLn2 = 0.6931471805599453;
+  constexpr int kTerms = 16;  // the next one is below 2^-70: |rest| <= ln 2 / 2
+  const double whole = std::floor(x + 0.5);
+  const double rest = (x - whole) * kLn2;
+  double sum = 1.0;
+  for (int k = kTerms; k > 0; --k) sum = 1.0 + rest / k * sum;
+  return std::ldexp(sum, static_cast<int>(whole));
+}
+
 }  // namespace ti

@@ -167,7 +167,7 @@ std::vector<Ray> inside_rays(const Mesh& mesh, std::size_t count, std::uint64_t 
   out.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     Random random(seed, i);
-    const glm::dvec3 place(random.uniform(), random.uniform(), random.uniform());
+    const glm::dvec3 place{random.uniform(), random.uniform(), random.uniform()};
     const glm::dvec3 o = bounds.low + place * (bounds.high - bounds.low);
     out.push_back({.o = glm::vec3(o), .d = glm::vec3(glm::normalize(random.ball()))});
   }

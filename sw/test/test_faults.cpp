@@ -162,7 +162,7 @@ TEST_CASE("faults: a fused product in the sign of an edge lets rays through") {
   const ExactTracer exact(mesh, {});
   const AimedRays rays(mesh, Aim::Edges, 3);
   const auto cracks = [&](const Tracer& engine) {
-    return hit_errors(engine, exact, mesh, {}, rays, 10000).cracks;
+    return hit_errors({&engine}, exact, mesh, {}, rays, 10000).front().cracks;
   };
   CHECK(cracks(Padded<kNone>(image, {})) == 0);
   CHECK(cracks(Padded<kFused>(image, {})) > 0);

@@ -2,6 +2,7 @@
 // Rays cover the picture in Morton order, leave surfaces on the right side, and are the same for
 // the same seed.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "scene/aimed_rays.hpp"
 #include "scene/random.hpp"
 #include "scene/rays.hpp"
 #include "test/support.hpp"
@@ -305,6 +307,31 @@ TEST_CASE("light comes from lights that have a place and from the middle of what
   CHECK(places[1].z == doctest::Approx(1.0F).epsilon(0.01));
   CHECK(places[1].y < 3.0F);
   CHECK(places[1].y > 2.98F);
+}
+
+TEST_CASE("powers of two do without the library, to three units in the last place") {
+  for (int i = -4000; i <= 4000; ++i) {
+    const double x = i / 256.0 + 1e-5 * i;
+    const double want = std::exp2(x);
+    REQUIRE(std::abs(portable_exp2(x) - want) <= 3 * 0x1p-52 * want);
+  }
+  for (int i = -1000; i < 1000; ++i) REQUIRE(portable_exp2(i) == std::ldexp(1.0, i));
+}
+
+TEST_CASE("aimed rays are the same on every machine") {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0.25F}, {0, 1, 0.5F}, {0.75F, 0.5F, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 2, 3}};
+  std::uint64_t sum = 14695981039346656037U;  // FNV-1a of all words
+  for (std::size_t aim = 0; aim < kAimNames.size(); ++aim) {
+    const AimedRays rays(mesh, static_cast<Aim>(aim), 1);
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+      const Ray ray = rays(i);
+      for (const float x : {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z})
+        sum = (sum ^ std::bit_cast<std::uint32_t>(x)) * 1099511628211U;
+    }
+  }
+  CHECK(sum == 7819709566003286987U);
 }
 
 }  // namespace

@@ -63,13 +63,15 @@ class CrackJudge {
   double diagonal_ = 0.0;
 };
 
-/// Errors of the model for rays [0, count) of `rays`, on all processors.
-[[nodiscard]] HitErrors hit_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,
-                                   const Format& format, const AimedRays& rays,
-                                   std::uint64_t count);
+/// Errors of each of the models, all of this mesh in this format, for rays [0, count) of `rays`, on
+/// all processors. The exact hits are found once.
+[[nodiscard]] std::vector<HitErrors> hit_errors(const std::vector<const Tracer*>& models,
+                                                const ExactTracer& exact, const Mesh& mesh,
+                                                const Format& format, const AimedRays& rays,
+                                                std::uint64_t count);
 
-/// The same for one cosine-distributed ray from each hit of those rays, where `departure` has it
-/// begin.
+/// The same of one model for one cosine-distributed ray from each hit of those rays, where
+/// `departure` has it begin.
 [[nodiscard]] HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact,
                                          const Mesh& mesh, const Format& format,
                                          const AimedRays& rays, std::uint64_t count,

@@ -36,6 +36,35 @@ Vec cross(const Vec& a, const Vec& b) {
 
 mpz_class dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+/// A determinant of three vectors and its bound.
+struct QuickDet {
+  double v, e;
+};
+
+/// A cross product, and the same with the sizes of all products added.
+struct QuickCross {
+  Point v, size;
+};
+
+QuickCross quick_cross(const Point& a, const Point& b) {
+  QuickCross result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double plus = a[(i + 1) % 3] * b[(i + 2) % 3];
+    const double less = a[(i + 2) % 3] * b[(i + 1) % 3];
+    result.v[i] = plus - less;
+    result.size[i] = std::abs(plus) + std::abs(less);
+  }
+  return result;
+}
+
+QuickDet quick_det(const Point& a, const QuickCross& b) {
+  const double size =
+      std::abs(a[0]) * b.size[0] + std::abs(a[1]) * b.size[1] + std::abs(a[2]) * b.size[2];
+  return {a[0] * b.v[0] + a[1] * b.v[1] + a[2] * b.v[2], 0x1p-49 * size};
+}
+
 }  // namespace
 
 Vec3<mpz_class> exact_normal(const Corners& triangle) {
@@ -75,8 +104,35 @@ std::optional<ExactMeeting> exact_meeting(const Ray& ray, const Corners& triangl
   return meeting;
 }
 
-bool in_interval(const Ray& ray, const mpq_class& t) {
-  if (std::isnan(ray.tmin) || std::isnan(ray.tmax) || sgn(t) < 0) {
+QuickMeeting quick_meeting(const Ray& ray, const Corners& triangle) {
+  using Answer = QuickMeeting::Answer;
+  const Point p0 = point_of(triangle[0]);
+  const Point e1 = minus(point_of(triangle[1]), p0);
+  const Point e2 = minus(point_of(triangle[2]), p0);
+  const Point d = point_of(ray.d);
+  const Point s = minus(point_of(ray.o), p0);
+  const QuickCross p = quick_cross(d, e2);
+  const QuickDet det = quick_det(e1, p);
+  if (!(std::abs(det.v) > det.e)) return {};
+  const double sign = det.v < 0.0 ? -1.0 : 1.0;
+  const QuickDet u = quick_det(s, p);
+  if (u.v * sign < -u.e) return {Answer::Misses, 0.0, 0.0};
+  const QuickCross q = quick_cross(s, e1);
+  const QuickDet v = quick_det(d, q);
+  if (v.v * sign < -v.e) return {Answer::Misses, 0.0, 0.0};
+  const double w = (det.v - u.v - v.v) * sign;
+  const double w_error = 2.0 * (det.e + u.e + v.e);
+  if (w < -w_error) return {Answer::Misses, 0.0, 0.0};
+  if (!(u.v * sign > u.e && v.v * sign > v.e && w > w_error)) return {};
+  const QuickDet depth = quick_det(e2, q);
+  const double t = depth.v / det.v;
+  const double error =
+      1.001 * (depth.e + std::abs(t) * det.e) / (std::abs(det.v) - det.e) + 0x1p-52 * std::abs(t);
+  return {Answer::Meets, t, error};
+}
+
+bool between_ends(const Ray& ray, const mpq_class& t) {
+  if (std::isnan(ray.tmin) || std::isnan(ray.tmax)) {
     return false;
   }
   const auto not_above = [&t](float bound) {  // bound <= t
@@ -87,6 +143,8 @@ bool in_interval(const Ray& ray, const mpq_class& t) {
   };
   return not_above(ray.tmin) && not_below(ray.tmax);
 }
+
+bool in_interval(const Ray& ray, const mpq_class& t) { return sgn(t) >= 0 && between_ends(ray, t); }
 
 double to_double(const mpq_class& q) {
   // get_d truncates and saturates in ways that depend on the exponent; scale to the middle of the

@@ -3,6 +3,7 @@
 
 #include <gmpxx.h>
 
+#include <cstdint>
 #include <optional>
 
 #include "base/vec.hpp"
@@ -29,7 +30,24 @@ struct ExactMeeting {
 /// products are exact.
 [[nodiscard]] std::optional<ExactMeeting> exact_meeting(const Ray& ray, const Corners& triangle);
 
-/// Whether t lies in the closed interval of `ray` and is not negative. NaN bounds hold nothing.
+/// What doubles can tell of the meeting of the line of a ray with a closed triangle.
+struct QuickMeeting {
+  enum class Answer : std::uint8_t { Misses, Meets, Open };
+  Answer answer = Answer::Open;  ///< Open: only integers can tell
+  double t = 0.0;                ///< of Meets
+  double error = 0.0;            ///< |t - exact t| is at most this
+};
+
+/// The same question as `exact_meeting` by the same form in doubles. Misses and Meets are proven:
+/// each determinant is a sum of products of three numbers that has seen eight roundings at most, so
+/// its error is below 16 x 2^-53 of the sum of their sizes. Nothing of binary32 over- or underflows
+/// there. Numbers must be finite.
+[[nodiscard]] QuickMeeting quick_meeting(const Ray& ray, const Corners& triangle);
+
+/// Whether t lies in the closed interval from tmin to tmax. NaN bounds hold nothing.
+[[nodiscard]] bool between_ends(const Ray& ray, const mpq_class& t);
+
+/// The same for a hit, whose t is not negative.
 [[nodiscard]] bool in_interval(const Ray& ray, const mpq_class& t);
 
 /// The double nearest to `q` (within 1 ulp), infinite when out of range.

@@ -13,15 +13,17 @@ namespace ti {
 
 /// Closest hits without any rounding, for rays in volume.
 ///
-/// A thick ray of binary32 (`PaddedKdTree`) names the triangles that the exact ray may meet; a
-/// filter in double leaves a few of them, which integers of any length decide (`exact_meeting`).
+/// A thick ray of binary32 (`PaddedKdTree`) names the triangles that the exact ray may meet;
+/// doubles with a proven bound decide nearly all of them (`quick_meeting`), integers of any length
+/// the rest
+/// (`exact_meeting`).
 /// Vertices and rays are rounded to the format first, as an engine sees them. Safe to call from
 /// several threads.
 class ExactTracer {
  public:
   struct Hit {
     bool hit = false;
-    double t = 0.0;                   ///< exact t rounded to double
+    double t = 0.0;                   ///< exact t to 2^-40 of itself
     std::vector<std::int32_t> prims;  ///< all of least t, ascending
   };
 
@@ -32,6 +34,11 @@ class ExactTracer {
 
   /// A ray that no engine traces (`valid_ray`) hits nothing.
   [[nodiscard]] Hit trace(const Ray& ray) const;
+
+  /// Whether the ray hits anything at a t of at most `limit`. Triangles of `near`, as this tracer
+  /// numbers them, are looked at first; the one that is hit is added. So rays that lie together
+  /// mostly need no walk.
+  [[nodiscard]] bool reaches(const Ray& ray, double limit, std::vector<std::uint32_t>& near) const;
 
  private:
   struct Impl;

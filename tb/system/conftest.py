@@ -3,6 +3,7 @@
 
 import fcntl
 
+import configure
 import pytest
 from agents.program import BENCHMARKS, KNOT, ROOT, SCENES, Program, Stored, make
 
@@ -38,6 +39,17 @@ def small():
     """`ti` with the RTL of the configuration small."""
     built("engine", "build/sw/ti", CONFIG="small")
     return Program("small")
+
+
+@pytest.fixture(scope="session")
+def tiny_with(ti):
+    """A function that gives `ti` with the RTL of tiny with other keys, as in ["num_trv=1"]."""
+
+    def program(keys):
+        built("engine", CONFIG="tiny", SET=" ".join(keys))
+        return Program(configure.load("tiny", keys).folder.name)
+
+    return program
 
 
 @pytest.fixture(scope="session")

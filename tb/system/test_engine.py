@@ -154,6 +154,15 @@ def test_a_hard_case_that_asks_for_what_is_wrong_fails(ti, tmp_path):
     assert "2 cases, 1 failed" in run.failed_its_checks().stdout
 
 
+def test_only_a_library_that_was_built_for_waves_writes_them(tiny, tmp_path):
+    words = ["--file", SCENES / "hardcases.jsonl", "--id", 1, "--out", tmp_path / "steps"]
+    words += ["--engine", "rtl", "--waves-file", tmp_path / "ray.fst"]
+    run = tiny.run("hardcases", *words)
+
+    assert "built without waves: give WAVES=1" in run.failed_its_checks().stdout
+    assert not (tmp_path / "ray.fst").exists()
+
+
 def test_an_empty_scene_misses_every_ray(ti, engine, tmp_path):
     empty = SCENES / "empty.ply"
     for name, program in [("model", ti), ("rtl", engine)]:
