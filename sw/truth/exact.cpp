@@ -36,6 +36,29 @@ Vec cross(const Vec& a, const Vec& b) {
 
 mpz_class dot(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/// The double nearest to num / den (within 1 ulp); den is not 0.
+double quotient_of(const mpz_class& num, const mpz_class& den) {
+  // get_d truncates and saturates in ways that depend on the exponent; scale to the middle of the
+  // range instead.
+  if (sgn(num) == 0) {
+    return 0.0;
+  }
+  const auto bits = [](const mpz_class& z) {
+    return static_cast<long>(mpz_sizeinbase(z.get_mpz_t(), 2));
+  };
+  const long shift = 64 - (bits(num) - bits(den));  // the quotient gets 64 or 65 bits
+  mpz_class top = abs(num);
+  mpz_class bottom = abs(den);
+  if (shift >= 0) {
+    top <<= static_cast<unsigned long>(shift);
+  } else {
+    bottom <<= static_cast<unsigned long>(-shift);
+  }
+  const mpz_class quotient = top / bottom;
+  const double magnitude = std::ldexp(mpz_get_d(quotient.get_mpz_t()), static_cast<int>(-shift));
+  return sgn(num) == sgn(den) ? magnitude : -magnitude;
+}
+
 }  // namespace
 
 Vec3<mpz_class> exact_normal(const Corners& triangle) {
@@ -64,13 +87,16 @@ std::optional<ExactMeeting> exact_meeting(const Ray& ray, const Corners& triangl
   if (sgn(v) < 0) {
     return std::nullopt;
   }
-  const mpz_class w = det * sign - u - v;
+  const mpz_class size = det * sign;
+  const mpz_class w = size - u - v;
   if (sgn(w) < 0) {
     return std::nullopt;
   }
   ExactMeeting meeting;
   meeting.t = mpq_class(dot(e2, q), det);
   meeting.t.canonicalize();
+  meeting.u = quotient_of(u, size);
+  meeting.v = quotient_of(v, size);
   meeting.boundary = sgn(u) == 0 || sgn(v) == 0 || sgn(w) == 0;
   return meeting;
 }
@@ -88,27 +114,6 @@ bool in_interval(const Ray& ray, const mpq_class& t) {
   return not_above(ray.tmin) && not_below(ray.tmax);
 }
 
-double to_double(const mpq_class& q) {
-  // get_d truncates and saturates in ways that depend on the exponent; scale to the middle of the
-  // range instead.
-  if (sgn(q) == 0) {
-    return 0.0;
-  }
-  const auto bits = [](const mpz_class& z) {
-    return static_cast<long>(mpz_sizeinbase(z.get_mpz_t(), 2));
-  };
-  const long shift =
-      64 - (bits(q.get_num()) - bits(q.get_den()));  // the quotient gets 64 or 65 bits
-  mpz_class num = abs(q.get_num());
-  mpz_class den = q.get_den();
-  if (shift >= 0) {
-    num <<= static_cast<unsigned long>(shift);
-  } else {
-    den <<= static_cast<unsigned long>(-shift);
-  }
-  const mpz_class quotient = num / den;
-  const double magnitude = std::ldexp(mpz_get_d(quotient.get_mpz_t()), static_cast<int>(-shift));
-  return sgn(q) < 0 ? -magnitude : magnitude;
-}
+double to_double(const mpq_class& q) { return quotient_of(q.get_num(), q.get_den()); }
 
 }  // namespace ti

@@ -14,6 +14,8 @@ namespace ti {
 /// Where the line of a ray meets a triangle, without any rounding.
 struct ExactMeeting {
   mpq_class t;            ///< distance in units of the ray's direction, any sign
+  double u = 0.0;         ///< weight of the second corner, rounded to double within 1 ulp
+  double v = 0.0;         ///< of the third
   bool boundary = false;  ///< on an edge or a vertex
 };
 

@@ -100,18 +100,22 @@ ExactTracer::Hit ExactTracer::trace(const Ray& given) const {
       if (!meeting || !in_interval(ray, meeting->t) || (best.hit && meeting->t > least)) continue;
       if (!best.hit || meeting->t < least) {
         best.prims.clear();
+        best.weights.clear();
         least = meeting->t;
         best.hit = true;
         best.t = to_double(least);
         bound = F::from_double(best.t).ulps_up(2);
       }
-      best.prims.push_back(static_cast<std::int32_t>(impl_->image.prim(record)));
+      const auto prim = static_cast<std::int32_t>(impl_->image.prim(record));
+      const auto at = std::lower_bound(best.prims.begin(), best.prims.end(), prim);
+      best.weights.insert(best.weights.begin() + (at - best.prims.begin()),
+                          {meeting->u, meeting->v});
+      best.prims.insert(at, prim);
     }
     return model::LeafEnd<F>{bound, false};
   };
   const model::WalkLimits limits{model::kMaxStackDepth, std::numeric_limits<std::uint32_t>::max()};
   (void)impl_->tree.walk(clipped, limits, work, nullptr, visit);
-  std::sort(best.prims.begin(), best.prims.end());
   return best;
 }
 

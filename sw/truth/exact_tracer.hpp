@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <vector>
 
@@ -23,6 +24,7 @@ class ExactTracer {
     bool hit = false;
     double t = 0.0;                   ///< exact t rounded to double
     std::vector<std::int32_t> prims;  ///< all of least t, ascending
+    std::vector<glm::dvec2> weights;  ///< of their second and third corners, rounded to double
   };
 
   ExactTracer(const Mesh& mesh, Format format);
