@@ -90,5 +90,10 @@ def client_of(scheduler: str):
     if scheduler:
         return Client(scheduler)
     return Client(
-        LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None)
+        LocalCluster(
+            n_workers=1,
+            threads_per_worker=1,
+            processes=False,
+            dashboard_address="127.0.0.1:0",  # any port: another sweep may run here
+        )
     )

@@ -226,10 +226,16 @@ bool CrackJudge::is_crack(const Ray& ray, double t) const {
                                                    {diagonal, -diagonal},
                                                    {-diagonal, -diagonal}}};
   const double room = behind(ray);
+  const double grid = ulp_of(format_, std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}));
   for (double distance = reach; distance > reach / 100.0; distance *= 0.5) {
     for (const auto& way : ways) {
+      const glm::dvec3 aside = distance * (way[0] * side + way[1] * up);
       Ray moved = ray;
-      moved.o = glm::vec3(o + distance * (way[0] * side + way[1] * up));
+      if (distance > grid || !(t > 0.0)) {
+        moved.o = glm::vec3(o + aside);
+      } else {
+        moved.d = glm::vec3(glm::dvec3(ray.d) + aside / t);
+      }
       const ExactTracer::Hit hit = exact_.trace(moved);
       if (!hit.hit || hit.t > t + room) return false;
     }

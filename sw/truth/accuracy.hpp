@@ -65,7 +65,8 @@ class CrackJudge {
   /// Whether an engine that has no hit at the exact distance t, or one behind it, has a crack: 56
   /// rays that are moved sideways hit there too, to the corners of octagons around a disc of
   /// (8 u + 2 r) A and six smaller ones. So far the test may see a corner moved, and with it the
-  /// outline of the mesh. A bent outline may be overlooked between them.
+  /// outline of the mesh. A bent outline may be overlooked between them. Where numbers of the
+  /// format lie farther apart than that at the origin, the direction is turned in its place.
   [[nodiscard]] bool is_crack(const Ray& ray, double t) const;
 
   [[nodiscard]] const ExactTracer& exact() const { return exact_; }
