@@ -215,9 +215,9 @@ class Sweep:
             print(f"{head}: {found['refused']}", flush=True)
             return
         worst = max(k["cracks_per_million"]["rate"] for k in found["kinds"])
-        print(f"{head}: at most {worst:.0f} cracks in a million, "
-              f"{found['picture']['wrong_pixels']} wrong pixels, {found['model_seconds']:.1f} s",
-              flush=True)  # fmt: skip
+        pixels = found["picture"]["wrong_pixels"] if found["picture"] else "no picture, so no"
+        print(f"{head}: at most {worst:.0f} cracks in a million, {pixels} wrong pixels, "
+              f"{found['model_seconds']:.1f} s", flush=True)  # fmt: skip
 
     def point_of(self, task: Task, point: dict, line: dict) -> dict:
         arguments = self.arguments
@@ -230,10 +230,11 @@ class Sweep:
             for name in ("triangles", "dropped", "kinds", "model_seconds"):
                 found[name] = line[name]
             with_rates(found["kinds"])
-            picture = accuracy_pictures.compare(
-                arguments.out, task.out.relative_to(arguments.out), line["picture"]["file"]
-            )
-            found["picture"] = line["picture"] | picture
+            found["picture"] = line["picture"]
+            if line["picture"]:
+                found["picture"] |= accuracy_pictures.compare(
+                    arguments.out, task.out.relative_to(arguments.out), line["picture"]["file"]
+                )
         found |= self.costs.of(task.machines[key], folder)
         if arguments.rtl and "refused" not in line and "@" not in point["scene"]:
             found["rtl"] = cycles_of(

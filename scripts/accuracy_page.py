@@ -79,8 +79,7 @@ def row_of(line: dict, out: Path, embedded: Embedded) -> dict:
     if "refused" in line:
         return row | {"refused": line["refused"]}
     kinds = {kind["rays"]: kind for kind in line["kinds"]}
-    picture = line["picture"]
-    return row | {
+    row |= {
         "rates": {w: {k: v[f] for k, v in kinds.items()} for w, (_, f) in WRONGS.items()},
         "count": {k: v["count"] for k, v in kinds.items()},
         "errors": {e: {k: v[f"{e}_ulp"] for k, v in kinds.items()} for e in ("t", "u", "v")},
@@ -90,6 +89,11 @@ def row_of(line: dict, out: Path, embedded: Embedded) -> dict:
         "seconds": line["model_seconds"],
         "triangles": line["triangles"],
         "dropped": line["dropped"],
+    }
+    picture = line["picture"]
+    if not picture:
+        return row
+    return row | {
         "pixels": picture["width"] * picture["height"],
         "size": [picture["width"], picture["height"]],
         "wrong_pixels": picture["wrong_pixels"],
@@ -106,10 +110,13 @@ def sentence_of(name: str, local: dict, tight: dict) -> str:
     leaks, none = (row["rates"]["cracks"]["edges"] for row in (local, tight))
     text = (
         f"{name}: of a million rays aimed at edges {leaks['rate']:,.0f} leak with local plain and "
-        f"{none['rate']:,.0f} (95 %: at most {none['high']:,.0f}) with woop padded; of "
-        f"{local['pixels']:,} pixels {local['wrong_pixels']:,} and {tight['wrong_pixels']:,} are "
-        f"wrong, FLIP {local['flip']:.4f} and {tight['flip']:.4f}"
+        f"{none['rate']:,.0f} (95 %: at most {none['high']:,.0f}) with woop padded"
     )
+    if "flip" in local and "flip" in tight:
+        text += (
+            f"; of {local['pixels']:,} pixels {local['wrong_pixels']:,} and "
+            f"{tight['wrong_pixels']:,} are wrong, FLIP {local['flip']:.4f} and {tight['flip']:.4f}"
+        )
     if local["mrays"] and tight["mrays"]:
         text += f"; {local['mrays']:.1f} and {tight['mrays']:.1f} Mrays/s of primary rays"
     return (

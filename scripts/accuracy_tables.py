@@ -30,12 +30,12 @@ def csv_rows(line: dict) -> list[dict]:
     }
     if "refused" in line:
         return [{**shared, **end}]
-    picture = line["picture"]
+    picture = line["picture"] or {}
     middle = {
         "triangles": line["triangles"],
         "dropped_triangles": line["dropped"],
-        "picture": f"{picture['width']}x{picture['height']}",
-        **{k: picture[k] for k in ("wrong_pixels", "psnr_db", "flip")},
+        "picture": f"{picture['width']}x{picture['height']}" if picture else "",
+        **{k: picture.get(k) for k in ("wrong_pixels", "psnr_db", "flip")},
         "model_seconds": line["model_seconds"],
     }
     rows = []

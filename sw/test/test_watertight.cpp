@@ -268,7 +268,9 @@ TEST_CASE(
   std::vector<std::uint64_t> wrong;
   for (const Format& format : {Format{8, 23}, Format{5, 10}}) {
     const Image image = image_of(scene.mesh, format, TestKind::Woop);
-    wrong.push_back(picture.of(*Tracer::create(image, padded()), format).wrong);
+    const auto model = Tracer::create(image, padded());
+    wrong.push_back(picture.of(*model, format).value().wrong);
+    CHECK_FALSE(picture.of(*model, format, 1000.0));
   }
   CHECK(wrong[0] < 5);
   CHECK(wrong[1] > wrong[0]);

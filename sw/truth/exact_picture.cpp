@@ -14,6 +14,7 @@ namespace ti {
 namespace {
 
 constexpr std::size_t kPiece = 256;
+constexpr std::size_t kSample = 64;
 constexpr double kInFront = 0.02;  ///< of the distance, how far a point may lie behind a pixel's
 
 }  // namespace
@@ -52,7 +53,15 @@ glm::vec3 ExactPicture::shade(std::size_t pixel, std::int32_t prim, double t) co
   return glm::vec3(static_cast<float>(facing / (1.0 + away * away)));
 }
 
-ShadedPicture ExactPicture::of(const Tracer& model, const Format& format) const {
+std::optional<ShadedPicture> ExactPicture::of(const Tracer& model, const Format& format,
+                                              double most_work) const {
+  const std::size_t stride = std::max<std::size_t>(1, rays_.size() / kSample);
+  Work sampled;
+  for (std::size_t i = stride / 2; i < rays_.size(); i += stride)
+    (void)model.trace(rays_[i], sampled);
+  const double work = static_cast<double>(sampled.steps + sampled.a_tests);
+  if (work * static_cast<double>(stride) > most_work) return {};
+
   ShadedPicture picture;
   picture.pixels.resize(rays_.size());
   std::atomic<std::uint64_t> wrong = 0;

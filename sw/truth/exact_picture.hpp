@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,8 +34,10 @@ class ExactPicture {
 
   [[nodiscard]] const ShadedPicture& picture() const { return picture_; }
 
-  /// The picture of an engine, whose scene and rays are rounded to `format`.
-  [[nodiscard]] ShadedPicture of(const Tracer& model, const Format& format) const;
+  /// The picture of an engine, whose scene and rays are rounded to `format`; nothing where its
+  /// steps and tests are more than `most_work`, judged by 64 pixels.
+  [[nodiscard]] std::optional<ShadedPicture> of(const Tracer& model, const Format& format,
+                                                double most_work = 1e18) const;
 
   /// Where points of the mesh stand in the picture, those that do, in pixels; `seen` where nothing
   /// is in front of them (within a fiftieth of the distance).

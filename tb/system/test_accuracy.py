@@ -220,7 +220,8 @@ def test_the_page_needs_no_other_file_and_says_what_its_points_say(tmp_path):
     ]
     refused = {k: v for k, v in lines[0].items() if k not in ("kinds", "picture", "rtl")}
     refused["point"] = refused["point"] | {"test": "np"}
-    text = accuracy_page.page([*lines, refused | {"refused": "<too large>"}], tmp_path)
+    undrawn = line_of("(8,13)", "np", "padded", 1, 1200) | {"picture": None}
+    text = accuracy_page.page([*lines, refused | {"refused": "<too large>"}, undrawn], tmp_path)
 
     assert "17,000 leak with local plain and 0 (95 %: at most 9) with woop padded" in text
     assert "of 12 pixels 2 and 2 are wrong, FLIP 0.0100 and 0.0100" in text
@@ -233,7 +234,9 @@ def test_the_page_needs_no_other_file_and_says_what_its_points_say(tmp_path):
         "(5,10) local plain",
         "(5,10) woop padded",
         "(5,10) np plain",
+        "(8,13) np padded",
     ]
+    assert "flip" not in rows[3] and "refused" in rows[2]
     assert rows[0]["scene"] == "ball@1e6" and rows[0]["places"] == {"edges": [15, 25, 1]}
     assert rows[0]["picture"] == rows[0]["reference"] == 0 and rows[0]["differences"] is None
     assert text.count("</script>") == 1
@@ -256,6 +259,9 @@ def test_the_tables_have_a_row_for_each_kind_of_rays_and_each_refusal(tmp_path):
     ):
         assert first[name] != ""
     assert first["step_cycles"] == "9" and first["node_bytes"] == "8" and first["rays"] == "edges"
+    undrawn = lines[0] | {"picture": None}
+    accuracy_tables.write_markdown(tmp_path / "undrawn.md", [undrawn])
+    assert accuracy_tables.csv_rows(undrawn)[0]["flip"] is None
     assert second["refused"] == "too large" and second["rays"] == ""
     assert len((tmp_path / "t.md").read_text().splitlines()) == 4
 
