@@ -112,6 +112,9 @@ gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_
 effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
   bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
 accuracy_scenes = $(or $(value SCENES),$(closed_names))
+# A scene there may be moved, icosphere@1e6: its name, and the rest.
+unmoved = $(foreach s,$(1),$(firstword $(subst @, ,$(s))))
+moved = $(if $(findstring @,$(1)),@$(lastword $(subst @, ,$(1))))
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -195,12 +198,14 @@ convergence: config $(ti) $(call made,$(convergence_scenes)) ## Noise by samples
 	@build/checks/bin/python scripts/convergence.py --config $(config)/config.json --out $(call out,build/convergence) \
 	  --scene $(foreach s,$(convergence_scenes),'$(subst ','\'',$(s))')
 
-accuracy: build/setup.stamp build/sw/ti $(call made,$(accuracy_scenes)) ## Wrong hits of formats, tests and walks by exact arithmetic, beside their cost: JSON lines, CSV, a page (SCENES="..." FORMATS="8,23 7,16" TESTS="local woop" TRAVERSALS= RAYS="edges far" N= RTL=20000 QUICK=1 SCHEDULER=tcp://... CONFIG= SEED= OUT=)
+accuracy: build/setup.stamp build/sw/ti $(call made,$(call unmoved,$(accuracy_scenes))) ## Wrong hits and pixels of formats, tests and walks by exact arithmetic, beside their cost: JSON lines, CSV, a page (SCENES="conference torus@1e6" FORMATS="8,23 7,16" TESTS="local woop" TRAVERSALS= RAYS="edges far" N= WORK= SIZE= RTL=20000 QUICK=1 SCHEDULER=tcp://...|slurm:jobs=8 CONFIG= SEED= OUT=)
 	@scripts/setup.sh --checks
 	@build/checks/bin/python scripts/accuracy.py --ti build/sw/ti --config $(call q,CONFIG) $(call opt,--formats,FORMATS) \
 	  $(call opt,--tests,TESTS) $(call opt,--traversals,TRAVERSALS) $(call opt,--rays,RAYS) $(call opt,--seed,SEED) \
-	  --count $(or $(call opt,,N),$(if $(value QUICK),20000,100000)) $(call opt,--rtl,RTL) $(call opt,--scheduler,SCHEDULER) \
-	  --out $(call out,build/accuracy/sweep) --scene $(foreach s,$(accuracy_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')")
+	  --count $(or $(call opt,,N),$(if $(value QUICK),2000,100000)) --work $(or $(call opt,,WORK),$(if $(value QUICK),2e6,2e8)) \
+	  --size $(if $(filter file,$(origin SIZE)),$(if $(value QUICK),80x60,320x240),$(call q,SIZE)) $(call opt,--rtl,RTL) $(call opt,--scheduler,SCHEDULER) \
+	  --out $(call out,build/accuracy/sweep) \
+	  --scene $(foreach s,$(accuracy_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(call unmoved,$(s)))')"'$(subst ','\'',$(call moved,$(s)))')
 
 ##@ Build
 engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)

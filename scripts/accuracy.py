@@ -3,27 +3,30 @@
 """Sweep number formats, triangle tests and walks of the tree: wrong hits beside what they cost.
 
 A point is a scene with a format, a test and a walk.  `ti accuracy` counts its wrong hits against
-exact arithmetic, for each kind of rays, on the model, which has the bits of the RTL.  Beside it
-stand the operators of the machine (scripts/operators.py) with their ECP5 cells in that format
-(scripts/synth_check.py), the latency of a step and of a test, and the bytes of a node and a
-triangle; with --rtl the cycles of primary rays on the RTL as well.
+exact arithmetic, for each kind of rays, on the model, which has the bits of the RTL, and renders it
+beside an exact picture.  Beside it stand the operators of the machine (scripts/operators.py) with
+their ECP5 cells in that format (scripts/synth_check.py), the latency of a step and of a test, and
+the bytes of a node and a triangle; with --rtl the cycles of primary rays on the RTL as well.
 
-Points are tasks of dask.distributed: a cluster of this machine, one task at a time, as each uses
-all processors, or any other by --scheduler.  Each is written to OUT/points.jsonl when it is done,
-with the command that repeats it, and is not run again, so a sweep that was stopped goes on.
+A scene may be moved before it is rounded: FILE@1e6 along x, FILE@1e6,0,2e5 along all axes.
+
+A task of dask is a scene with all of its machines, which share what is exact; with --scheduler a
+scene with those of one format.  `ti` writes a line a machine to a folder in OUT/runs; from there
+points go to OUT/points.jsonl with the command that repeats them, and are not run again, so a sweep
+that was stopped goes on.
 
 OUT gets points.jsonl, points.csv, a table points.md, and index.html, which needs no other file.
 
 Exit status: 0, 1 when a point failed, 2 for bad input.
 
-Usage: scripts/accuracy.py --ti FILE --config NAME --out FOLDER --scene FILE ...
+Usage: scripts/accuracy.py --ti FILE --config NAME --out FOLDER --scene FILE[@MOVE] ...
                            [--formats "8,23 7,16"] [--tests "local woop"] [--traversals "plain"]
-                           [--rays "edges far"] [--count N] [--seed N] [--rtl N]
-                           [--scheduler ADDRESS]
+                           [--rays "edges far"] [--count N] [--seed N] [--work N] [--size 320x240]
+                           [--rtl N] [--scheduler tcp://HOST:PORT | slurm:KEY=VALUE,...]
 """
 
 import argparse
-import csv
+import hashlib
 import json
 import math
 import subprocess
@@ -32,20 +35,16 @@ import time
 from itertools import product
 from pathlib import Path
 
+import accuracy_cluster
 import accuracy_page
+import accuracy_pictures
+import accuracy_tables
 import configure
+from accuracy_costs import ROOT, AccuracyError, Costs, run
 from config_schema import ConfigError
-from dask.distributed import Client, LocalCluster, as_completed
 
-ROOT = Path(__file__).resolve().parents[1]
-VENV = ROOT / "build/venv/bin/python"  # has what the other scripts ask for
-OPERATORS = {"ADD": "ti_fp_add", "MUL": "ti_fp_mul", "RCP": "ti_fp_rcp", "CMP": "ti_fp_cmp"}
-CELLS = {"lut": ("LUT4",), "ff": ("TRELLIS_FF",), "dsp": ("MULT18X18D",)}
-NODE_BYTES = 8
-
-
-class AccuracyError(Exception):
-    """One sentence for the user."""
+KEYS = ("format", "test", "traversal")  # of a machine
+LOOKS = 0.5  # seconds between two looks for new lines
 
 
 def wilson(count: int, of: int, z: float = 1.96) -> tuple[float, float]:
@@ -58,13 +57,21 @@ def wilson(count: int, of: int, z: float = 1.96) -> tuple[float, float]:
     return 1e6 * max(0.0, middle - half), 1e6 * min(1.0, middle + half)
 
 
-def run(words: list, what: str) -> str:
-    """What a program prints; its last words when it fails."""
-    done = subprocess.run([str(w) for w in words], cwd=ROOT, capture_output=True, text=True)
-    if done.returncode != 0:
-        said = (done.stderr or done.stdout).strip().splitlines()
-        raise AccuracyError(f"{what}: {said[-1] if said else f'status {done.returncode}'}")
-    return done.stdout
+def split_scene(scene: str) -> tuple[str, tuple[float, ...]]:
+    """The file of FILE@MOVE and the three numbers by which it is moved, none where it is not."""
+    file, at, text = scene.rpartition("@")
+    if not at or Path(ROOT, scene).exists():
+        return scene, ()
+    try:
+        numbers = tuple(float(x) for x in text.split(","))
+    except ValueError:
+        numbers = ()
+    if len(numbers) not in (1, 3) or not all(abs(x) <= 3e38 for x in numbers):
+        raise AccuracyError(
+            f"SCENES={scene}: after @ give how far it is moved, in binary32: one number, along x, "
+            "or three with commas"
+        )
+    return file, numbers if len(numbers) == 3 else (numbers[0], 0.0, 0.0)
 
 
 def machine_of(config: str, fmt: str, test: str, walk: str) -> tuple[str, configure.Configuration]:
@@ -73,76 +80,6 @@ def machine_of(config: str, fmt: str, test: str, walk: str) -> tuple[str, config
     overrides = [f"exp_bits={exp_bits}", f"frac_bits={frac_bits}", f"triangle_test={test}"]
     overrides.append(f"traversal={walk}")
     return " ".join(overrides), configure.load(config, overrides)
-
-
-def latencies(keys: dict) -> dict[str, int]:
-    """Cycles from a node to the next, and from a record to the verdict and to the hit."""
-    add, mul = keys["fp_add_stages"], keys["fp_mul_stages"]
-    rcp = configure.reciprocal_stages(keys)
-    if keys["triangle_test"] == "woop":
-        passes, last = 3 * add + 2 * mul + 2, 3 * mul + 2 * add + rcp + 1
-    else:
-        one = (5 if keys["triangle_test"] == "np" else 4) * add + 3 * mul + 2
-        passes, last = 2 * one, rcp + mul + 1
-    return {"step": 2 + add + mul, "test": passes, "hit": passes + last}
-
-
-def triangle_bytes(keys: dict) -> int:
-    if keys["triangle_test"] != "woop":
-        return 48
-    return 32 if 9 * (1 + keys["exp_bits"] + keys["frac_bits"]) + 32 <= 256 else 64
-
-
-class Costs:
-    """Operators and cells of machines, each counted once."""
-
-    def __init__(self, folder: Path):
-        self._folder = folder
-        self._cells: dict[tuple[int, int], dict] = {}
-        self._operators: dict[tuple[str, str], dict] = {}
-
-    def of(self, machine: configure.Configuration, folder: Path) -> dict:
-        keys = machine.values
-        cells = self._cells_of(keys, folder)
-        operators = self._operators_of(keys, folder)
-        sums = {c: sum(operators[o] * cells[o][c] for o in OPERATORS) for c in CELLS}
-        return {
-            "operators": operators,
-            **{f"operator_{c}": total for c, total in sums.items()},
-            "latency": latencies(keys),
-            "bytes": {"node": NODE_BYTES, "triangle": triangle_bytes(keys)},
-        }
-
-    def _cells_of(self, keys: dict, folder: Path) -> dict:
-        fmt = keys["exp_bits"], keys["frac_bits"]
-        if fmt not in self._cells:
-            self._cells[fmt] = {name: self._synthesize(folder, m) for name, m in OPERATORS.items()}
-        return self._cells[fmt]
-
-    def _synthesize(self, folder: Path, module: str) -> dict:
-        out = self._folder / "cells.json"
-        words = [VENV, "scripts/synth_check.py", folder, "--unit", module, "--json", out]
-        run(words, module)
-        cells = json.loads(out.read_text())["ecp5_cells"][module]
-        return {c: sum(cells.get(n, 0) for n in names) for c, names in CELLS.items()}
-
-    def _operators_of(self, keys: dict, folder: Path) -> dict:
-        kind = keys["triangle_test"], keys["traversal"]
-        if kind not in self._operators:
-            out = self._folder / "operators.json"
-            run([VENV, "scripts/operators.py", folder, "--json", out], "operators")
-            self._operators[kind] = json.loads(out.read_text())["total"]["operators"]
-        return self._operators[kind]
-
-
-def count_wrong(ti: str, folder: str, scene: str, words: dict) -> dict:
-    """A task: the wrong hits of a point, by kind of rays."""
-    begin = time.monotonic()
-    out = Path(folder) / f"{Path(scene).name.split('.')[0]}.json"
-    options = [f"--{k}={v}" for k, v in words.items()]
-    run([ti, "accuracy", f"--config={folder}/config.json", f"--scene={scene}", *options,
-         f"--out={out}"], scene)  # fmt: skip
-    return {"kinds": json.loads(out.read_text())["points"], "seconds": time.monotonic() - begin}
 
 
 def cycles_of(config: str, overrides: str, scene: str, rays: int) -> dict:
@@ -162,114 +99,173 @@ def cycles_of(config: str, overrides: str, scene: str, rays: int) -> dict:
 def with_rates(kinds: list[dict]) -> None:
     """Adds to each kind its rates in a million with their intervals."""
     for kind in kinds:
-        for name in ("missed", "through", "cracks", "false_hits", "wrong_triangle", "self_hits"):
+        for name in accuracy_tables.RATES:
             low, high = wilson(kind[name], kind["count"])
             rate = 1e6 * kind[name] / max(1, kind["count"])
             kind[f"{name}_per_million"] = {"rate": rate, "low": low, "high": high}
 
 
-def sweep(arguments: argparse.Namespace, client: Client, done: dict, file: Path) -> list[str]:
-    """Runs the points that are not done; the sentences of those that failed."""
-    costs, waiting, failed = Costs(arguments.out), {}, []
-    axes = (arguments.formats.split(), arguments.tests.split(), arguments.traversals.split())
-    words = {"rays": arguments.rays, "count": arguments.count, "seed": arguments.seed}
-    todo = []
-    for fmt, test, walk, scene in product(*axes, arguments.scene):
-        overrides, machine = machine_of(arguments.config, fmt, test, walk)
-        point = {"scene": scene, "format": f"({fmt})", "test": test, "traversal": walk, **words}
-        if arguments.rtl:
-            point["rtl_rays"] = arguments.rtl
-        if json.dumps(point) not in done:
-            todo.append((point, overrides, machine))
-    print(f"{len(done)} points are there, {len(todo)} to do", flush=True)
-    for point, overrides, machine in todo:
-        folder = arguments.out / "config" / overrides.replace(" ", "-")
-        configure.write(folder, machine.files())
-        task = client.submit(
-            count_wrong, str(arguments.ti), str(folder), point["scene"], words, pure=False
-        )
-        waiting[task.key] = point, overrides, machine, folder, task
-    for number, task in enumerate(as_completed([w[-1] for w in waiting.values()]), 1):
-        point, overrides, machine, folder, _ = waiting[task.key]
-        name = f"{Path(point['scene']).name} {point['format']} {point['test']} {point['traversal']}"
+def trace(words: list[str]) -> str:
+    """A task: runs `ti accuracy`; what it complains of, if anything."""
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    said = (done.stderr or done.stdout).strip().splitlines()
+    return "" if done.returncode == 0 else said[-1] if said else f"status {done.returncode}"
+
+
+class Task:
+    """Machines of a scene that one run of `ti` traces, and the folder that it writes to."""
+
+    def __init__(self, arguments: argparse.Namespace, scene: str, points: list[dict]):
+        self.scene = scene
+        self.waiting = {tuple(point[k] for k in KEYS): point for point in points}
+        self.overrides = {}
+        self.machines = {}
+        words = [str(arguments.ti), "accuracy"]
+        for key in self.waiting:
+            fmt, test, walk = key
+            self.overrides[key], self.machines[key] = machine_of(
+                arguments.config, fmt[1:-1], test, walk
+            )
+            words.append(f"--config={self.folder_of(arguments, key)}/config.json")
+        file, moved = split_scene(scene)
+        words += [f"--scene={file}", f"--rays={arguments.rays}", f"--count={arguments.count}"]
+        words += [
+            f"--seed={arguments.seed}",
+            f"--work={arguments.work}",
+            f"--size={arguments.size}",
+        ]
+        if moved:
+            words += ["--move", ",".join(f"{x:.17g}" for x in moved)]
+        name = hashlib.sha256(json.dumps(words).encode()).hexdigest()[:8]
+        self.out = arguments.out / "runs" / f"{accuracy_tables.scene_name(scene)}-{name}"
+        self.words = [*words, f"--out={self.out}"]
+
+    def folder_of(self, arguments: argparse.Namespace, key: tuple) -> Path:
+        return arguments.out / "config" / self.overrides[key].replace(" ", "-")
+
+    def lines(self) -> list[tuple[dict, dict]]:
+        """What is new in the folder: points with the lines of `ti`."""
+        file = self.out / "points.jsonl"
+        found = []
+        for text in file.read_text().splitlines() if file.exists() else []:
+            line = json.loads(text)
+            point = self.waiting.pop(tuple(line[k] for k in KEYS), None)
+            if point is not None:
+                found.append((point, line))
+        return found
+
+
+class Sweep:
+    """The points that are done, and what makes them of the lines of `ti`."""
+
+    def __init__(self, arguments: argparse.Namespace):
+        self.arguments = arguments
+        self.file = arguments.out / "points.jsonl"
+        lines = self.file.read_text().splitlines() if self.file.exists() else []
+        self.done = {json.dumps(line["point"]): line for line in map(json.loads, lines)}
+        self.failed: list[str] = []
+        self.number = self.todo = 0
+        self.costs = Costs(arguments.out)
+
+    def tasks(self) -> list[Task]:
+        """What is left to do."""
+        arguments = self.arguments
+        formats = arguments.formats.split()
+        groups = [formats]
+        if not accuracy_cluster.is_local(arguments.scheduler):
+            groups = [[fmt] for fmt in formats]
+        names = ("rays", "count", "seed", "work", "size")
+        words = {name: getattr(arguments, name) for name in names}
+        tasks = []
+        for scene, group in product(dict.fromkeys(arguments.scene), groups):
+            split_scene(scene)
+            points = []
+            others = (arguments.tests.split(), arguments.traversals.split())
+            for fmt, test, walk in product(group, *others):
+                point = {"scene": scene, "format": f"({fmt})", "test": test, "traversal": walk}
+                point |= words
+                if arguments.rtl:
+                    point["rtl_rays"] = arguments.rtl
+                if json.dumps(point) not in self.done:
+                    points.append(point)
+            if points:
+                tasks.append(Task(arguments, scene, points))
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        for task in tasks:
+            for key, machine in task.machines.items():
+                configure.write(task.folder_of(arguments, key), machine.files())
+        self.todo = sum(len(task.waiting) for task in tasks)
+        return tasks
+
+    def add(self, task: Task, point: dict, line: dict) -> None:
+        """Makes a point of a line of `ti`."""
+        self.number += 1
+        name = accuracy_page.name_of(point)
+        head = f"[{self.number}/{self.todo}] {accuracy_tables.scene_name(point['scene'])} {name}"
         try:
-            found = task.result()
-            with_rates(found["kinds"])
-            cost = costs.of(machine, folder)
-            if arguments.rtl:
-                cost["rtl"] = cycles_of(arguments.config, overrides, point["scene"], arguments.rtl)
+            found = self.point_of(task, point, line)
         except AccuracyError as error:
-            failed.append(f"{name}: {error}")
-            print(f"[{number}/{len(todo)}] {name}: FAILED, {error}", flush=True)
-            continue
-        command = (
-            f"make accuracy CONFIG={arguments.config} SCENES={point['scene']} "
+            self.failed.append(f"{name}: {error}")
+            print(f"{head}: FAILED, {error}", flush=True)
+            return
+        with self.file.open("a") as out:
+            out.write(json.dumps(found) + "\n")
+        self.done[json.dumps(point)] = found
+        if "refused" in found:
+            print(f"{head}: {found['refused']}", flush=True)
+            return
+        worst = max(k["cracks_per_million"]["rate"] for k in found["kinds"])
+        pixels = found["picture"]["wrong_pixels"] if found["picture"] else "no picture, so no"
+        print(f"{head}: at most {worst:.0f} cracks in a million, {pixels} wrong pixels, "
+              f"{found['model_seconds']:.1f} s", flush=True)  # fmt: skip
+
+    def point_of(self, task: Task, point: dict, line: dict) -> dict:
+        arguments = self.arguments
+        key = tuple(point[k] for k in KEYS)
+        folder = task.folder_of(arguments, key)
+        found = {"point": point}
+        if "refused" in line:
+            found["refused"] = line["refused"]
+        else:
+            for name in ("triangles", "dropped", "kinds", "model_seconds"):
+                found[name] = line[name]
+            with_rates(found["kinds"])
+            found["picture"] = line["picture"]
+            if line["picture"]:
+                found["picture"] |= accuracy_pictures.compare(
+                    arguments.out, task.out.relative_to(arguments.out), line["picture"]["file"]
+                )
+        found |= self.costs.of(task.machines[key], folder)
+        if arguments.rtl and "refused" not in line and "@" not in point["scene"]:
+            found["rtl"] = cycles_of(
+                arguments.config, task.overrides[key], point["scene"], arguments.rtl
+            )
+        found["command"] = (
+            f'make accuracy CONFIG={arguments.config} SCENES="{point["scene"]}" '
             f'FORMATS="{point["format"][1:-1]}" TESTS={point["test"]} '
             f'TRAVERSALS={point["traversal"]} RAYS="{arguments.rays}" N={arguments.count} '
-            f"SEED={arguments.seed}"
+            f"SEED={arguments.seed} WORK={arguments.work} SIZE={arguments.size}"
+            + (f" RTL={arguments.rtl}" if arguments.rtl else "")
         )
-        line = {"point": point, **found, **cost, "command": command}
-        with file.open("a") as out:
-            out.write(json.dumps(line) + "\n")
-        done[json.dumps(point)] = line
-        worst = max(k["cracks_per_million"]["rate"] for k in found["kinds"])
-        print(f"[{number}/{len(todo)}] {name}: at most {worst:.0f} cracks in a million, "
-              f"{found['seconds']:.1f} s", flush=True)  # fmt: skip
-    return failed
+        return found
 
-
-def write_csv(path: Path, lines: list[dict]) -> None:
-    """A row for each point and kind of rays."""
-    rows = []
-    for line in lines:
-        point = line["point"]
-        shared = {k: point[k] for k in ("scene", "format", "test", "traversal")}
-        for kind in line["kinds"]:
-            rates = {k: v["rate"] for k, v in kind.items() if k.endswith("_per_million")}
-            rows.append({
-                **shared, "rays": kind["rays"], "count": kind["count"], **rates,
-                "t_ulp_median": kind["t_ulp"]["median"], "t_ulp_p99_9": kind["t_ulp"]["p99_9"],
-                "t_ulp_max": kind["t_ulp"]["max"], "steps_per_ray": kind["steps_per_ray"],
-                "tests_per_ray": kind["tests_per_ray"],
-                "restarts_per_ray": kind["restarts_per_ray"],
-                **line["operators"], "operator_lut": line["operator_lut"],
-                "operator_ff": line["operator_ff"], "operator_dsp": line["operator_dsp"],
-                "triangle_bytes": line["bytes"]["triangle"],
-                "cycles_per_ray": line.get("rtl", {}).get("cycles_per_ray"),
-                "mrays_per_s": line.get("rtl", {}).get("mrays_per_s"),
-            })  # fmt: skip
-    with path.open("w", newline="") as out:
-        table = csv.DictWriter(out, rows[0])
-        table.writeheader()
-        table.writerows(rows)
-
-
-def write_table(path: Path, lines: list[dict]) -> None:
-    """The table for documents: cracks by kind of rays in a million, and what a machine costs."""
-    kinds = list(dict.fromkeys(kind["rays"] for line in lines for kind in line["kinds"]))
-    names = [f"cracks, {kind}" for kind in kinds]
-    names += ["missed, edges", "wrong, uniform", "t p99.9, uniform, ulp", "steps, uniform"]
-    names += ["LUT", "DSP", "bytes a triangle", "cycles a ray", "Mrays/s"]
-    rows = [["scene", "format", "test", "walk", *names]]
-    rows.append(["---"] * 4 + ["---:"] * len(names))
-    for line in lines:
-        point, of, rtl = line["point"], {k["rays"]: k for k in line["kinds"]}, line.get("rtl")
-
-        def rate(kind, name, of=of):
-            return f"{of[kind][f'{name}_per_million']['rate']:,.0f}" if kind in of else ""
-
-        row = [Path(point["scene"]).name.split(".")[0]]
-        row += [point["format"], point["test"], point["traversal"]]
-        row += [rate(kind, "cracks") for kind in kinds]
-        row += [rate("edges", "missed"), rate("uniform", "wrong_triangle")]
-        uniform = of.get("uniform")
-        row += [f"{uniform['t_ulp']['p99_9']:.1f}" if uniform else ""]
-        row += [f"{uniform['steps_per_ray']:.1f}" if uniform else ""]
-        row += [f"{line['operator_lut']:,}", str(line["operator_dsp"])]
-        row += [str(line["bytes"]["triangle"])]
-        row += [f"{rtl['cycles_per_ray']:.2f}", f"{rtl['mrays_per_s']:.1f}"] if rtl else ["", ""]
-        rows.append(row)
-    path.write_text("".join(f"| {' | '.join(row)} |\n" for row in rows))
+    def run(self, tasks: list[Task], client) -> None:
+        """Runs tasks and takes in their lines as they come."""
+        running = {task: client.submit(trace, task.words, pure=False) for task in tasks}
+        while running:
+            time.sleep(LOOKS)
+            for task, future in list(running.items()):
+                ended = future.done()
+                for point, line in task.lines():
+                    self.add(task, point, line)
+                if not ended:
+                    continue
+                del running[task]
+                said = str(future.exception()) if future.status == "error" else future.result()
+                self.number += len(task.waiting)
+                if task.waiting:
+                    names = ", ".join(map(accuracy_page.name_of, task.waiting.values()))
+                    self.failed.append(said or f"{task.out}: {names}: not in what ti wrote")
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -277,13 +273,20 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--ti", type=Path, required=True)
     parser.add_argument("--config", required=True)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--scene", nargs="+", required=True)
+    parser.add_argument("--scene", nargs="+", required=True, metavar="FILE[@MOVE]")
     parser.add_argument("--formats", default="5,10 8,13 7,16 8,20 8,23")
     parser.add_argument("--tests", default="np local woop")
     parser.add_argument("--traversals", default="plain padded")
     parser.add_argument("--rays", default="uniform edges vertices grazing far secondary")
     parser.add_argument("--count", type=int, default=100000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--work",
+        type=float,
+        default=2e8,
+        help="steps and tests for rays of a kind, then fewer rays",
+    )
+    parser.add_argument("--size", default="320x240", metavar="WIDTHxHEIGHT")
     parser.add_argument("--rtl", type=int, default=0, metavar="N", help="rays on the RTL; 0: none")
     parser.add_argument("--scheduler", default="", metavar="ADDRESS")
     return parser.parse_args()
@@ -293,19 +296,13 @@ def main() -> int:
     arguments = parse_arguments()
     arguments.ti, arguments.out = arguments.ti.resolve(), arguments.out.resolve()
     try:
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        file = arguments.out / "points.jsonl"
-        lines = [json.loads(x) for x in file.read_text().splitlines()] if file.exists() else []
-        done = {json.dumps(line["point"]): line for line in lines}
-        if arguments.scheduler:
-            client = Client(arguments.scheduler)
-        else:
-            cluster = LocalCluster(
-                n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
-            )
-            client = Client(cluster)
-        with client:
-            failed = sweep(arguments, client, done, file)
+        accuracy_cluster.check(arguments.scheduler)
+        sweep = Sweep(arguments)
+        tasks = sweep.tasks()
+        print(f"{len(sweep.done)} points are there, {sweep.todo} to do", flush=True)
+        if tasks:
+            with accuracy_cluster.client_of(arguments.scheduler) as client:
+                sweep.run(tasks, client)
     except (AccuracyError, ConfigError) as error:
         print(error, file=sys.stderr)
         return 2
@@ -314,15 +311,16 @@ def main() -> int:
             f"{error.filename or arguments.scheduler}: {error.strerror or error}", file=sys.stderr
         )
         return 2
-    if done:
-        write_csv(arguments.out / "points.csv", list(done.values()))
-        write_table(arguments.out / "points.md", list(done.values()))
+    lines = list(sweep.done.values())
+    if lines:
+        accuracy_tables.write_csv(arguments.out / "points.csv", lines)
+        accuracy_tables.write_markdown(arguments.out / "points.md", lines)
         page = arguments.out / "index.html"
-        page.write_text(accuracy_page.page(list(done.values())))
-        print(f"{file}, {arguments.out / 'points.csv'}, {page}")
-    for sentence in failed:
+        page.write_text(accuracy_page.page(lines, arguments.out))
+        print(f"{sweep.file}, {arguments.out / 'points.csv'}, {page}")
+    for sentence in dict.fromkeys(sweep.failed):
         print(sentence, file=sys.stderr)
-    return 1 if failed else 0
+    return 0 if not sweep.failed else 1 if lines else 2
 
 
 if __name__ == "__main__":

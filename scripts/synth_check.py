@@ -9,7 +9,7 @@ unit named, to Lattice ECP5 for cell counts.
 
 Exit status: 0 clean, 1 when a unit is not, 2 when the arguments are wrong.
 
-Usage: scripts/synth_check.py DIR [--unit MODULE] [--quick] [--rtl DIR] [--json FILE]
+Usage: scripts/synth_check.py DIR [--unit MODULE] [--quick | --cells] [--rtl DIR] [--json FILE]
 DIR is the folder that scripts/configure.py wrote; logs go to `synth` in it.
 """
 
@@ -195,7 +195,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("config", type=Path, metavar="DIR", help="folder of ti_config_pkg.sv")
     parser.add_argument("--unit", metavar="MODULE", help="this module instead of all")
-    parser.add_argument("--quick", action="store_true", help="no tables of memories and cells")
+    parts = parser.add_mutually_exclusive_group()
+    parts.add_argument("--quick", action="store_true", help="no tables of memories and cells")
+    parts.add_argument("--cells", action="store_true", help="the table of cells alone")
     parser.add_argument("--rtl", type=Path, default=ROOT / "rtl", help="folder of ti.f")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the counts to FILE")
     arguments = parser.parse_args()
@@ -211,7 +213,7 @@ def main() -> int:
 
     synthesis = Synthesis(arguments.config, arguments.rtl)
     bad = 0
-    for module in [unit] if unit else ["ti_engine", *UNITS]:
+    for module in [] if arguments.cells else [unit] if unit else ["ti_engine", *UNITS]:
         problems = synthesis.check(module)
         bad += bool(problems)
         print(f"synth: {module}: {'NOT clean' if problems else 'no latch, no loop, one driver'}")
@@ -220,7 +222,7 @@ def main() -> int:
     if bad or arguments.quick:
         return 1 if bad else 0
 
-    memories = synthesis.memories(unit or "ti_engine")
+    memories = [] if arguments.cells else synthesis.memories(unit or "ti_engine")
     if memories:
         print_memories(memories)
     cells = {module: synthesis.cells(module) for module in ([unit] if unit else OPERATORS)}

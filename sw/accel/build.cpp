@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -278,16 +279,34 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 }  // namespace
 
 Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats) {
-  const auto begin = std::chrono::steady_clock::now();
-  stats = {};
-  const PreparedTriangles prepared = prepare_triangles(mesh, options.format, options.test);
-  const KdRules rules = make_rules(prepared.corners, options, std::nullopt);
-  const KdTree tree = build_kd_tree(prepared.corners, rules);
-  Image image = image_of(mesh, tree, rules, options, prepared, stats);
-  stats.new_cells = 1;
-  stats.new_references = stats.references;
-  stats.seconds = seconds_since(begin);
-  return image;
+  BuiltImage built = std::move(build_images(mesh, options, {&options.test, 1}).front());
+  stats = built.stats;
+  return std::move(built.image);
+}
+
+std::vector<BuiltImage> build_images(const Mesh& mesh, BuildOptions options,
+                                     std::span<const TestKind> tests) {
+  std::vector<BuiltImage> images;
+  std::vector<std::uint32_t> prims;  // of the tree
+  std::optional<KdRules> rules;
+  KdTree tree;
+  for (const TestKind test : tests) {
+    const auto begin = std::chrono::steady_clock::now();
+    options.test = test;
+    const PreparedTriangles prepared = prepare_triangles(mesh, options.format, test);
+    if (!rules || prims != prepared.prims) {
+      rules = make_rules(prepared.corners, options, std::nullopt);
+      tree = build_kd_tree(prepared.corners, *rules);
+      prims = prepared.prims;
+    }
+    BuildStats stats;
+    Image image = image_of(mesh, tree, *rules, options, prepared, stats);
+    stats.new_cells = 1;
+    stats.new_references = stats.references;
+    stats.seconds = seconds_since(begin);
+    images.push_back({std::move(image), stats});
+  }
+  return images;
 }
 
 struct MovingTree::State {

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "accel/image.hpp"
 #include "base/config_keys.hpp"
@@ -53,6 +55,15 @@ struct BuildStats {
 /// root is an empty leaf (callers that need a triangle say so themselves). Throws `Error` when the
 /// scene cannot be expressed in the format.
 [[nodiscard]] Image build_image(const Mesh& mesh, const BuildOptions& options, BuildStats& stats);
+
+/// The same for each of `tests` in place of that of the options, each with its stats. The tree is
+/// built once for those that keep the same triangles.
+struct BuiltImage {
+  Image image;
+  BuildStats stats;
+};
+[[nodiscard]] std::vector<BuiltImage> build_images(const Mesh& mesh, BuildOptions options,
+                                                   std::span<const TestKind> tests);
 
 /// The tree of a mesh whose vertices move from frame to frame (`update_kd_tree`).
 class MovingTree {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/session.hpp"
 
@@ -18,6 +19,8 @@ constexpr int kInterrupted = 130;
 
 struct Arguments {
   std::string config_file;
+  std::vector<std::string> config_files;  ///< of accuracy, in place of the one
+  std::vector<double> move;               ///< of accuracy: 3 numbers, or none
   RunOptions run;
   std::string size = "256x256";
   std::string effects = "auto";
@@ -30,6 +33,7 @@ struct Arguments {
   std::string base_file;           ///< configuration that a machine was planned on; empty: none was
   std::filesystem::path keys;      ///< of machine: file for them; empty: render
   std::uint64_t count = 100000;    ///< of accuracy and ladder: rays of each kind
+  double work = 2e8;               ///< of accuracy: steps and tests for rays of a kind in a format
   int spp = 1;
   int bounces = 4;
   std::string frames;  ///< of an animation; empty: a picture
@@ -43,7 +47,8 @@ struct Arguments {
 int render(Arguments& arguments);
 int trace(Arguments& arguments);
 int image(Arguments& arguments);
-/// Hits of the model against exact ones, for rays of several kinds; JSON in `arguments.run.out`.
+/// Hits of models against exact ones, for rays of several kinds, and pictures; JSON lines and PNGs
+/// in the folder `arguments.run.out`.
 int accuracy(Arguments& arguments);
 int hardcases(const Arguments& arguments);
 /// All hard cases and kinds of rays on the model of each format and test; a table and JSON lines in

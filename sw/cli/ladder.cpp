@@ -281,15 +281,12 @@ std::vector<VolumeRow> volumes(const Mesh& mesh, const std::vector<std::string>&
     const Models models = models_of(mesh, rungs, rise);
     for (VolumeRow& row : rows) {
       const auto at = std::find(kAimNames.begin(), kAimNames.end(), row.kind);
-      std::vector<HitErrors> errors;
-      if (at == kAimNames.end()) {
-        const AimedRays rays(mesh, Aim::Uniform, seed);
-        for (const Tracer* model : models.all)
-          errors.push_back(secondary_errors(*model, exact, mesh, format, rays, count, seed));
-      } else {
-        const AimedRays rays(mesh, static_cast<Aim>(at - kAimNames.begin()), seed);
-        errors = hit_errors(models.all, exact, mesh, format, rays, count);
-      }
+      const bool secondary = at == kAimNames.end();
+      const AimedRays rays(
+          mesh, secondary ? Aim::Uniform : static_cast<Aim>(at - kAimNames.begin()), seed);
+      const std::vector<HitErrors> errors =
+          secondary ? secondary_errors(models.all, exact, mesh, format, rays, count, seed)
+                    : hit_errors(models.all, exact, mesh, format, rays, count);
       row.errors.insert(row.errors.end(), errors.begin(), errors.end());
     }
   }

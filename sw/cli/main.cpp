@@ -127,15 +127,29 @@ int run(int argc, char** argv) {
   image_command->add_option("--out", arguments.run.out, "file to write, .tiim")->required();
 
   CLI::App* accuracy_command = app.add_subcommand(
-      "accuracy", "count wrong hits of the model by exact arithmetic, and write them as JSON");
-  add_config(*accuracy_command, arguments);
+      "accuracy", "count wrong hits of models by exact arithmetic; write JSON lines and pictures");
+  accuracy_command
+      ->add_option("--config", arguments.config_files,
+                   "config.json of a machine; repeat for more, which share what is exact")
+      ->required();
   add_scene(*accuracy_command, arguments);
+  accuracy_command
+      ->add_option("--move", arguments.move, "X,Y,Z: where the origin of the scene is moved to")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(-3e38, 3e38));
+  accuracy_command->add_option("--size", arguments.size, "of the picture, WIDTHxHEIGHT");
   accuracy_command->add_option("--rays", arguments.rays, "kinds of rays, with spaces between")
       ->required();
   accuracy_command->add_option("--count", arguments.count, "rays of each kind")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+  accuracy_command
+      ->add_option("--work", arguments.work,
+                   "steps and tests for the rays of a kind in a format at most; then fewer rays")
+      ->check(CLI::Range(1.0, 1e18));
   accuracy_command->add_option("--seed", arguments.seed, "of the rays");
-  accuracy_command->add_option("--out", arguments.run.out, "file to write, .json")->required();
+  accuracy_command->add_option("--out", arguments.run.out, "folder for what is written")
+      ->required();
 
   CLI::App* cases_command = app.add_subcommand("hardcases", "trace and judge a file of hard cases");
   add_config(*cases_command, arguments);
@@ -171,12 +185,12 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "{}\n", error.what());
     return ti::kBadInput;
   }
-  arguments.run.config = ti::load_config(arguments.config_file);
   ti::stop_at_interrupt(arguments);
+  if (accuracy_command->parsed()) return ti::accuracy(arguments);
+  arguments.run.config = ti::load_config(arguments.config_file);
   if (machine_command->parsed()) return ti::machine(arguments);
   if (render_command->parsed()) return ti::render(arguments);
   if (trace_command->parsed()) return ti::trace(arguments);
-  if (accuracy_command->parsed()) return ti::accuracy(arguments);
   if (image_command->parsed()) return ti::image(arguments);
   if (ladder_command->parsed()) return ti::ladder(arguments);
   return ti::hardcases(arguments);

@@ -59,6 +59,16 @@ SceneImage scene_image_of(const Scene& scene, const RunOptions& options) {
   });
 }
 
+std::vector<SceneImage> scene_images_of(const Scene& scene, const RunOptions& options,
+                                        std::span<const TestKind> tests) {
+  return in_scene(options, [&] {
+    std::vector<SceneImage> images;
+    for (BuiltImage& built : build_images(scene.mesh, build_options_of(options.config), tests))
+      images.push_back({std::move(built.image), built.stats});
+    return images;
+  });
+}
+
 HostTimes& HostTimes::operator+=(const HostTimes& other) {
   engine += other.engine;
   lock_step += other.lock_step;

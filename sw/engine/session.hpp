@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,9 @@ struct SceneImage {
 };
 /// Builds the tree of the scene, or loads its image. Throws `Error`.
 [[nodiscard]] SceneImage scene_image_of(const Scene& scene, const RunOptions& options);
+/// Builds them for several triangle tests in place of that of the machine; they share the tree.
+[[nodiscard]] std::vector<SceneImage> scene_images_of(const Scene& scene, const RunOptions& options,
+                                                      std::span<const TestKind> tests);
 
 /// A scene with its tree, its model, its truth and the engine that traces it, each made once.
 class Session {

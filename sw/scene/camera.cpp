@@ -84,6 +84,15 @@ Ray CameraRays::at(const glm::dvec2& place, const glm::dvec2& lens) const {
   return ray;
 }
 
+std::optional<glm::dvec2> CameraRays::place_of(const glm::dvec3& point) const {
+  const glm::dvec3 way = point - eye_;
+  const double depth = glm::dot(way, forward_);
+  if (!(depth > 0.0)) return {};
+  const double x = glm::dot(way, right_) / (depth * half_.x);
+  const double y = glm::dot(way, up_) / (depth * half_.y);
+  return glm::dvec2(0.5 * (1.0 + x) * size_.x, 0.5 * (1.0 - y) * size_.y);
+}
+
 std::vector<std::uint32_t> morton_order(int width, int height) {
   const auto w = static_cast<std::uint32_t>(width);
   const auto h = static_cast<std::uint32_t>(height);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "scene/ray.hpp"
@@ -20,6 +21,10 @@ class CameraRays {
   /// The ray through `place` of the picture, pixels from its upper left corner, from the point
   /// `lens` of the lens, in the unit disc. Of unit length; from the eye where there is no aperture.
   [[nodiscard]] Ray at(const glm::dvec2& place, const glm::dvec2& lens = {0.0, 0.0}) const;
+
+  /// Where `point` is seen from the middle of the lens, in pixels as above, perhaps beside the
+  /// picture; nothing when it does not lie in front.
+  [[nodiscard]] std::optional<glm::dvec2> place_of(const glm::dvec3& point) const;
 
  private:
   glm::dvec3 eye_;

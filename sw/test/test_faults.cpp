@@ -3,6 +3,7 @@
 // of the same kinds that find nothing wrong in the engine find that.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -162,7 +163,8 @@ TEST_CASE("faults: a fused product in the sign of an edge lets rays through") {
   const ExactTracer exact(mesh, {});
   const AimedRays rays(mesh, Aim::Edges, 3);
   const auto cracks = [&](const Tracer& engine) {
-    return hit_errors({&engine}, exact, mesh, {}, rays, 10000).front().cracks;
+    const std::array<const Tracer*, 1> only{&engine};
+    return hit_errors(only, exact, mesh, {}, rays, 10000).front().cracks;
   };
   CHECK(cracks(Padded<kNone>(image, {})) == 0);
   CHECK(cracks(Padded<kFused>(image, {})) > 0);

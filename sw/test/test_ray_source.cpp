@@ -29,7 +29,7 @@ TEST_CASE("the text of RAYS= is a file, or a kind and a count") {
   CHECK(source.count == kMaxRays);
   check_error([] { (void)parse_ray_source(""); }, {"RAYS="});
   check_error([] { (void)parse_ray_source("reflection:10"); },
-              {"`reflection`", "random, inside, primary, ao, diffuse, shadow"});
+              {"`reflection`", "random, inside, primary, ao, uniform, diffuse, shadow"});
   for (const char* text : {"ao:", "ao:0", "ao:-1", "ao:1x", "ao:67108865", "random:1000000000",
                            "random:99999999999999999999"}) {
     check_error([text] { (void)parse_ray_source(text); }, {text, "1 to 67108864"});

@@ -3,8 +3,10 @@
 // once, ends, and does not depend on the stack; exact hits in volume are those of brute force.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <random>
 #include <string>
 #include <vector>
@@ -18,7 +20,9 @@
 #include "scene/rays.hpp"
 #include "tree_walk.hpp"
 #include "truth/accuracy.hpp"
+#include "truth/exact_picture.hpp"
 #include "truth/exact_tracer.hpp"
+#include "truth/impl.hpp"
 #include "truth/truth.hpp"
 
 namespace ti {
@@ -58,6 +62,8 @@ Mesh torus(int around, int across) {
   return mesh;
 }
 
+std::vector<const Tracer*> only(const Tracer& model) { return {&model}; }
+
 constexpr std::array<Aim, 4> kAims{Aim::Edges, Aim::Vertices, Aim::Grazing, Aim::Far};
 
 std::vector<Format> ladder() {
@@ -77,7 +83,7 @@ TEST_CASE("watertight: no ray slips through a closed mesh, in any format, from n
       for (const Aim aim : kAims) {
         CAPTURE(kAimNames[static_cast<std::size_t>(aim)]);
         const HitErrors errors =
-            hit_errors({model.get()}, exact, mesh, format, AimedRays(mesh, aim, 7), 4000).front();
+            hit_errors(only(*model), exact, mesh, format, AimedRays(mesh, aim, 7), 4000).front();
         CHECK(errors.rays == 4000);
         CHECK(errors.exact_hits > 2000);
         CHECK(errors.cracks == 0);
@@ -96,7 +102,7 @@ TEST_CASE("watertight: what it is for: the tests with rounded constants have cra
       const auto model = Tracer::create(image, {});
       const ExactTracer exact(mesh, format);
       const HitErrors errors =
-          hit_errors({model.get()}, exact, mesh, format, AimedRays(mesh, Aim::Edges, 7), 20000)
+          hit_errors(only(*model), exact, mesh, format, AimedRays(mesh, Aim::Edges, 7), 20000)
               .front();
       CHECK(errors.cracks > 100);
       CHECK(errors.missed + errors.through >= errors.cracks);
@@ -195,9 +201,87 @@ TEST_CASE("exact hits in volume are those of brute force") {
         REQUIRE(got.hit == want.hit);
         REQUIRE(got.prims == want.prims);
         REQUIRE(std::abs(got.t - want.t) <= 0x1p-40 * want.t);
+        REQUIRE(got.weights.size() == got.prims.size());
+        for (std::size_t k = 0; k < got.prims.size(); ++k) {
+          // The weights bring the point of the ray back, on a well-conditioned triangle.
+          const auto prim = static_cast<std::size_t>(got.prims[k]);
+          std::array<glm::dvec3, 3> corner;
+          for (int c = 0; c < 3; ++c) {
+            for (int axis = 0; axis < 3; ++axis)
+              corner[static_cast<std::size_t>(c)][axis] =
+                  round_to(format, double{mesh.vertex(prim, c)[axis]});
+          }
+          const Ray ray = round_ray(rays(i), format);
+          const glm::dvec2 w = got.weights[k];
+          const glm::dvec3 point =
+              (1.0 - w.x - w.y) * corner[0] + w.x * corner[1] + w.y * corner[2];
+          const glm::dvec3 on_ray = glm::dvec3(ray.o) + got.t * glm::dvec3(ray.d);
+          REQUIRE(glm::distance(point, on_ray) < 4e-12 * (1.0 + glm::length(on_ray)));
+          REQUIRE(std::min({w.x, w.y, 1.0 - w.x - w.y}) >= -1e-12);
+        }
       }
     }
   }
+}
+
+TEST_CASE("errors of u and v are a few units of numbers below 1 on a coarse sphere") {
+  const Mesh mesh = reference::sphere(1);
+  for (const Format& format : {Format{5, 10}, Format{7, 16}, Format{8, 23}}) {
+    CAPTURE(name_of(format));
+    const Image image = image_of(mesh, format, TestKind::Local);
+    const auto model = Tracer::create(image, {});
+    const ExactTracer exact(mesh, format);
+    const HitErrors errors =
+        hit_errors(only(*model), exact, mesh, format, AimedRays(mesh, Aim::Uniform, 3), 5000)
+            .front();
+    REQUIRE(errors.u_ulps.size() == errors.t_ulps.size());
+    REQUIRE(errors.u_ulps.size() > 500);
+    for (const auto* ulps : {&errors.u_ulps, &errors.v_ulps}) {
+      CHECK((*ulps)[ulps->size() / 2] > 0.05F);
+      CHECK((*ulps)[ulps->size() / 2] < 8.0F);
+    }
+  }
+}
+
+TEST_CASE("several tests share a tree: the images are those of each alone") {
+  const Mesh mesh = soup(300, 0.2F, 5);
+  BuildOptions options;
+  options.format = {7, 16};
+  const std::array tests{TestKind::Np, TestKind::Local, TestKind::Woop};
+  const auto images = build_images(mesh, options, tests);
+  REQUIRE(images.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto shared = images[k].image.bytes();
+    const Image own = image_of(mesh, options.format, tests[k]);
+    const auto alone = own.bytes();
+    CHECK(std::equal(shared.begin(), shared.end(), alone.begin(), alone.end()));
+    CHECK(images[k].stats.nodes > 0);
+  }
+}
+
+TEST_CASE(
+    "the exact picture is its own: a machine of binary32 has few wrong pixels, 10 bits more") {
+  Scene scene;
+  scene.mesh = reference::sphere(3);
+  const ExactTracer given(scene.mesh, {});
+  const ExactPicture picture(scene, given, 64, 48);
+  std::vector<std::uint64_t> wrong;
+  for (const Format& format : {Format{8, 23}, Format{5, 10}}) {
+    const Image image = image_of(scene.mesh, format, TestKind::Woop);
+    const auto model = Tracer::create(image, padded());
+    wrong.push_back(picture.of(*model, format).value().wrong);
+    CHECK_FALSE(picture.of(*model, format, 1000.0));
+  }
+  CHECK(wrong[0] < 5);
+  CHECK(wrong[1] > wrong[0]);
+  // The eye is at z = 3: the near pole is in the middle and seen, the far one is hidden by it.
+  const std::array points{glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1), glm::dvec3(0, 0, 9)};
+  const auto places = picture.places_of(points);
+  REQUIRE(places.size() == 2);  // the third is behind the eye
+  CHECK(places[0].x == doctest::Approx(32));
+  CHECK(places[0].y == doctest::Approx(24));
+  CHECK(places[0].seen);
+  CHECK_FALSE(places[1].seen);
 }
 
 TEST_CASE("records of Woop's test are packed and read back as they were") {

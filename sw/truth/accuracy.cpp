@@ -2,6 +2,7 @@
 #include "truth/accuracy.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -16,7 +17,8 @@
 namespace ti {
 namespace {
 
-constexpr std::uint64_t kPiece = 4096;
+constexpr std::uint64_t kPiece = 16;
+constexpr std::uint64_t kFirstRays = 32;  ///< before it is known how much work they are
 
 /// One unit in the last place of `value` in the format.
 double ulp_of(const Format& format, double value) {
@@ -24,69 +26,128 @@ double ulp_of(const Format& format, double value) {
   return std::ldexp(1.0, std::ilogb(size) - format.frac_bits);
 }
 
-/// What is right for one ray; whether a hit that is not there is a crack is found once, when asked.
-class RightHit {
- public:
-  RightHit(const CrackJudge& cracks, const Ray& ray)
-      : cracks_(cracks), ray_(ray), truth_(cracks.exact().trace(ray)) {}
-
-  /// Adds what became of the ray on a model; `leaves` is the triangle that it starts from, or -1.
-  void judge(const Tracer& model, std::int32_t leaves, HitErrors& errors);
-
- private:
-  bool is_crack() {
-    if (!crack_) crack_ = cracks_.is_crack(ray_, truth_.t);
-    return *crack_;
-  }
-
-  const CrackJudge& cracks_;
-  const Ray& ray_;
-  ExactTracer::Hit truth_;
-  std::optional<bool> crack_;
+/// A ray, its exact hit, and whether one that misses that slips through a crack.
+struct ExactRay {
+  Ray ray;
+  ExactTracer::Hit hit;
+  std::optional<bool> crack;
 };
 
-void RightHit::judge(const Tracer& model, std::int32_t leaves, HitErrors& errors) {
-  const Format& format = cracks_.format();
-  const HitBits hit = model.trace(ray_, errors.work);
+/// A ray of a model, and the triangle that it leaves, -1 for none.
+struct Leaving {
+  Ray ray;
+  std::int32_t prim = -1;
+};
+
+/// Adds what became of one ray.
+void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const Leaving& leaving,
+           std::uint64_t index, HitErrors& errors) {
+  using Clock = std::chrono::steady_clock;
+  const Format& format = cracks.format();
+  const Ray& ray = known.ray;
+  const ExactTracer::Hit& truth = known.hit;
+  const auto begin = Clock::now();
+  const HitBits hit = model.trace(ray, errors.work);
+  errors.seconds += std::chrono::duration<double>(Clock::now() - begin).count();
+  const auto look_for_crack = [&] {
+    if (!known.crack) known.crack = cracks.is_crack(ray, truth.t);
+    if (!*known.crack) return;
+    ++errors.cracks;
+    errors.crack_places.push_back({index, glm::dvec3(ray.o) + truth.t * glm::dvec3(ray.d)});
+  };
   ++errors.rays;
   if (hit.status != Status::Ok) ++errors.failed;
-  if (truth_.hit) ++errors.exact_hits;
+  if (truth.hit) ++errors.exact_hits;
   if (hit.prim < 0) {
-    if (!truth_.hit) return;
+    if (!truth.hit) return;
     ++errors.missed;
-    if (is_crack()) ++errors.cracks;
+    look_for_crack();
     return;
   }
-  if (hit.prim == leaves) ++errors.self_hits;
-  if (!truth_.hit) {
+  if (hit.prim == leaving.prim) ++errors.self_hits;
+  if (!truth.hit) {
     ++errors.false_hits;
-  } else if (!std::binary_search(truth_.prims.begin(), truth_.prims.end(), hit.prim)) {
+    return;
+  }
+  const auto at = std::lower_bound(truth.prims.begin(), truth.prims.end(), hit.prim);
+  if (at == truth.prims.end() || *at != hit.prim) {
     ++errors.wrong;
-    if (value_of_bits(format, hit.t) > truth_.t + cracks_.behind(ray_)) {
+    if (value_of_bits(format, hit.t) > truth.t + cracks.behind(ray)) {
       ++errors.through;
-      if (is_crack()) ++errors.cracks;
+      look_for_crack();
     }
   } else if (errors.t_ulps.size() < kMostErrors) {
-    const double t = value_of_bits(format, hit.t);
-    errors.t_ulps.push_back(static_cast<float>(std::abs(t - truth_.t) / ulp_of(format, truth_.t)));
+    const glm::dvec2 weights = truth.weights[static_cast<std::size_t>(at - truth.prims.begin())];
+    const auto off = [&format](std::uint32_t bits, double value, double unit) {
+      return static_cast<float>(std::abs(value_of_bits(format, bits) - value) / unit);
+    };
+    const double last_place = std::ldexp(1.0, -format.frac_bits - 1);
+    errors.t_ulps.push_back(off(hit.t, truth.t, ulp_of(format, truth.t)));
+    errors.u_ulps.push_back(off(hit.u, weights.x, last_place));
+    errors.v_ulps.push_back(off(hit.v, weights.y, last_place));
   }
 }
 
-using ManyErrors = std::vector<HitErrors>;
+/// What a model traces for a number, if anything.
+using RayOf = std::function<std::optional<Leaving>(const Tracer&, std::uint64_t)>;
 
-/// The sum of `work(first, last, errors)` over pieces of [0, count), for so many models.
-ManyErrors sum_of_pieces(std::uint64_t count, std::size_t models,
-                         const std::function<void(std::size_t, std::size_t, ManyErrors&)>& work) {
-  ManyErrors sum(models);
+/// Adds the errors of each model for numbers [begin, end).
+void add_errors(std::span<const Tracer* const> models, const CrackJudge& cracks,
+                std::uint64_t begin, std::uint64_t end, const RayOf& ray_of,
+                std::vector<HitErrors>& sums) {
   std::mutex mutex;
-  parallel_pieces(count, kPiece, [&](std::size_t first, std::size_t last) {
-    ManyErrors mine(models);
-    work(first, last, mine);
+  parallel_pieces(end - begin, kPiece, [&](std::size_t first, std::size_t last) {
+    std::vector<HitErrors> mine(models.size());
+    std::vector<ExactRay> known;
+    for (std::uint64_t i = begin + first; i < begin + last; ++i) {
+      known.clear();
+      for (std::size_t m = 0; m < models.size(); ++m) {
+        const std::optional<Leaving> leaving = ray_of(*models[m], i);
+        if (!leaving) continue;
+        const Ray& ray = leaving->ray;
+        auto same = std::find_if(known.begin(), known.end(), [&ray](const ExactRay& other) {
+          return other.ray.o == ray.o && other.ray.d == ray.d;
+        });
+        if (same == known.end()) {
+          known.push_back({ray, cracks.exact().trace(ray), {}});
+          same = known.end() - 1;
+        }
+        judge(*models[m], cracks, *same, *leaving, i, mine[m]);
+      }
+    }
     const std::lock_guard lock(mutex);
-    for (std::size_t m = 0; m < models; ++m) sum[m] += mine[m];
+    for (std::size_t m = 0; m < models.size(); ++m) sums[m] += mine[m];
   });
-  for (HitErrors& errors : sum) std::sort(errors.t_ulps.begin(), errors.t_ulps.end());
-  return sum;
+}
+
+/// The errors of each model for the numbers of `most`: all of them, or as many as the work allows,
+/// judged by those before.
+std::vector<HitErrors> errors_of(std::span<const Tracer* const> models, const CrackJudge& cracks,
+                                 const MostRays& most, const RayOf& ray_of) {
+  std::vector<HitErrors> sums(models.size());
+  std::uint64_t done = 0;
+  std::uint64_t next = std::min(most.count, kFirstRays);
+  while (next > 0) {
+    add_errors(models, cracks, done, done + next, ray_of, sums);
+    done += next;
+    double work = 0.0;
+    for (const HitErrors& sum : sums)
+      work += static_cast<double>(sum.work.steps + sum.work.a_tests);
+    const double a_ray = std::max(work, 1.0) / static_cast<double>(done);
+    const double allowed = std::max(0.0, most.work - work) / a_ray;
+    next = std::min(most.count - done, 8 * done);
+    if (allowed < static_cast<double>(next)) next = static_cast<std::uint64_t>(allowed);
+    if (next < done / 64 && next < most.count - done) break;
+  }
+  for (HitErrors& sum : sums) sum.sort();
+  return sums;
+}
+
+/// Puts errors of other rays behind those that are there, while there is room.
+void append(std::vector<float>& errors, const std::vector<float>& more) {
+  const std::size_t room = kMostErrors - std::min(kMostErrors, errors.size());
+  const auto end = more.begin() + static_cast<std::ptrdiff_t>(std::min(room, more.size()));
+  errors.insert(errors.end(), more.begin(), end);
 }
 
 }  // namespace
@@ -102,11 +163,25 @@ HitErrors& HitErrors::operator+=(const HitErrors& other) {
   self_hits += other.self_hits;
   failed += other.failed;
   work += other.work;
-  const std::size_t room = kMostErrors - std::min(kMostErrors, t_ulps.size());
-  const auto end =
-      other.t_ulps.begin() + static_cast<std::ptrdiff_t>(std::min(room, other.t_ulps.size()));
-  t_ulps.insert(t_ulps.end(), other.t_ulps.begin(), end);
+  seconds += other.seconds;
+  append(t_ulps, other.t_ulps);
+  append(u_ulps, other.u_ulps);
+  append(v_ulps, other.v_ulps);
+  crack_places.insert(crack_places.end(), other.crack_places.begin(), other.crack_places.end());
+  if (crack_places.size() > 16 * kMostPlaces) sort_places();
   return *this;
+}
+
+void HitErrors::sort_places() {
+  std::sort(crack_places.begin(), crack_places.end(),
+            [](const CrackPlace& a, const CrackPlace& b) { return a.ray < b.ray; });
+  if (crack_places.size() > kMostPlaces) crack_places.resize(kMostPlaces);
+}
+
+void HitErrors::sort() {
+  for (std::vector<float>* errors : {&t_ulps, &u_ulps, &v_ulps})
+    std::sort(errors->begin(), errors->end());
+  sort_places();
 }
 
 CrackJudge::CrackJudge(const ExactTracer& exact, const Mesh& mesh, const Format& format)
@@ -140,6 +215,7 @@ bool CrackJudge::is_crack(const Ray& ray, double t) const {
   const double reach =
       (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
   const double limit = t + behind(ray);
+  const double grid = ulp_of(format_, std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}));
   std::vector<std::uint32_t> near;
   const auto all_hit = [&](int quarter) {
     // The corners of polygons around the discs, so that no straight outline passes between them:
@@ -152,8 +228,13 @@ bool CrackJudge::is_crack(const Ray& ray, double t) const {
         double y = 2.0 * s / (1.0 + s * s);
         if (way / quarter % 2 != 0) x = -std::exchange(y, x);
         if (way / quarter / 2 != 0) x = -x, y = -y;
+        const glm::dvec3 aside = distance * (x * side + y * up);
         Ray moved = ray;
-        moved.o = glm::vec3(o + distance * (x * side + y * up));
+        if (distance > grid || !(t > 0.0)) {
+          moved.o = glm::vec3(o + aside);
+        } else {
+          moved.d = glm::vec3(glm::dvec3(ray.d) + aside / t);
+        }
         if (!exact_.reaches(moved, limit, near)) return false;
       }
     }
@@ -162,40 +243,26 @@ bool CrackJudge::is_crack(const Ray& ray, double t) const {
   return all_hit(2) && all_hit(8);
 }
 
-std::vector<HitErrors> hit_errors(const std::vector<const Tracer*>& models,
-                                  const ExactTracer& exact, const Mesh& mesh, const Format& format,
-                                  const AimedRays& rays, std::uint64_t count) {
-  const CrackJudge cracks(exact, mesh, format);
-  return sum_of_pieces(count, models.size(),
-                       [&](std::size_t first, std::size_t last, ManyErrors& errors) {
-                         for (std::size_t i = first; i < last; ++i) {
-                           const Ray ray = rays(i);
-                           RightHit right(cracks, ray);
-                           for (std::size_t m = 0; m < models.size(); ++m)
-                             right.judge(*models[m], -1, errors[m]);
-                         }
-                       });
+std::vector<HitErrors> hit_errors(std::span<const Tracer* const> models, const ExactTracer& exact,
+                                  const Mesh& mesh, const Format& format, const AimedRays& rays,
+                                  const MostRays& most) {
+  return errors_of(
+      models, CrackJudge(exact, mesh, format), most,
+      [&rays](const Tracer&, std::uint64_t i) { return std::optional(Leaving{rays(i), -1}); });
 }
 
-HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,
-                           const Format& format, const AimedRays& rays, std::uint64_t count,
-                           std::uint64_t seed) {
-  const CrackJudge cracks(exact, mesh, format);
-  const auto piece = [&](std::size_t first, std::size_t last, ManyErrors& errors) {
-    std::vector<Ray> given;
-    std::vector<Hit> hits;
+std::vector<HitErrors> secondary_errors(std::span<const Tracer* const> models,
+                                        const ExactTracer& exact, const Mesh& mesh,
+                                        const Format& format, const AimedRays& rays,
+                                        const MostRays& most, std::uint64_t seed) {
+  const auto spawn = [&](const Tracer& model, std::uint64_t i) -> std::optional<Leaving> {
     Work before;
-    for (std::size_t i = first; i < last; ++i) {
-      const Hit hit = hit_of(format, model.trace(rays(i), before));
-      if (!hit.is_hit()) continue;
-      given.push_back(rays(i));
-      hits.push_back(hit);
-    }
-    const std::vector<Ray> spawned = diffuse_rays(mesh, format, given, hits, seed ^ first);
-    for (std::size_t i = 0; i < spawned.size(); ++i)
-      RightHit(cracks, spawned[i]).judge(model, hits[i].prim, errors.front());
+    const Ray ray = rays(i);
+    const Hit hit = hit_of(format, model.trace(ray, before));
+    if (!hit.is_hit()) return {};
+    return Leaving{diffuse_rays(mesh, format, {&ray, 1}, {&hit, 1}, seed ^ i).front(), hit.prim};
   };
-  return sum_of_pieces(count, 1, piece).front();
+  return errors_of(models, CrackJudge(exact, mesh, format), most, spawn);
 }
 
 }  // namespace ti

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "base/format.hpp"
@@ -11,6 +12,12 @@
 #include "truth/exact_tracer.hpp"
 
 namespace ti {
+
+/// Where the exact ray of a crack meets the mesh.
+struct CrackPlace {
+  std::uint64_t ray = 0;
+  glm::dvec3 point{0.0};
+};
 
 /// How far closest hits of an engine are from the exact ones; counts of rays.
 struct HitErrors {
@@ -24,14 +31,25 @@ struct HitErrors {
   std::uint64_t self_hits = 0;  ///< of rays from a hit: of the triangle that they leave
   std::uint64_t failed = 0;     ///< with a status that is not Ok
   /// |t - exact t| in units in the last place of the exact t, of right hits of the first
-  /// `kMostErrors` rays of a thread's share.
+  /// `kMostErrors` rays of a thread's share; ascending.
   std::vector<float> t_ulps;
-  Work work;  ///< of the rays
+  /// |u - exact u| and |v - exact v| of the same hits in units of 2^-(M+1), the last place of the
+  /// largest weights, which are in [1/2, 1); ascending.
+  std::vector<float> u_ulps, v_ulps;
+  std::vector<CrackPlace> crack_places;  ///< of the first `kMostPlaces` cracks, by ray
+  Work work;                             ///< of the rays
+  double seconds = 0.0;                  ///< of the engine, all threads added up
 
   HitErrors& operator+=(const HitErrors& other);
+  /// Puts all lists in order.
+  void sort();
+
+ private:
+  void sort_places();
 };
 
 constexpr std::size_t kMostErrors = std::size_t{1} << 20;
+constexpr std::size_t kMostPlaces = 500;
 
 /// Tells a crack from an outline. A is the distance of the farthest corner of the box of the mesh
 /// from the origin of a ray, u the error of an operation and r that of a reciprocal. Keeps
@@ -48,7 +66,8 @@ class CrackJudge {
   /// that are moved sideways hit there too, to the corners of polygons around a disc of (8 u + 2 r)
   /// A and six smaller ones, first of octagons, then of 32 corners. So far the test may see a
   /// corner moved, and with it the outline of the mesh. A slit between two outlines that is
-  /// narrower than the way from one corner to the next is overlooked.
+  /// narrower than the way from one corner to the next is overlooked. Where numbers of the format
+  /// lie farther apart than that at the origin, the direction is turned in its place.
   [[nodiscard]] bool is_crack(const Ray& ray, double t) const;
 
   [[nodiscard]] const ExactTracer& exact() const { return exact_; }
@@ -63,18 +82,28 @@ class CrackJudge {
   double diagonal_ = 0.0;
 };
 
-/// Errors of each of the models, all of this mesh in this format, for rays [0, count) of `rays`, on
-/// all processors. The exact hits are found once.
-[[nodiscard]] std::vector<HitErrors> hit_errors(const std::vector<const Tracer*>& models,
+/// How many rays are traced at most, and how many steps and tests all models together may take for
+/// them. Where rays are as thick as the scene, each is a test of every triangle.
+struct MostRays {
+  MostRays(std::uint64_t rays, double steps_and_tests = 1e18)
+      : count(rays), work(steps_and_tests) {}
+
+  std::uint64_t count;
+  double work;
+};
+
+/// Errors of each of `models`, which have one format, for the first of `rays`, the same number for
+/// all, on all processors. What is exact is computed once for all.
+[[nodiscard]] std::vector<HitErrors> hit_errors(std::span<const Tracer* const> models,
                                                 const ExactTracer& exact, const Mesh& mesh,
                                                 const Format& format, const AimedRays& rays,
-                                                std::uint64_t count);
+                                                const MostRays& most);
 
-/// The same of one model for one cosine-distributed ray from each hit of those rays, where
+/// The same for one cosine-distributed ray from each hit of those rays on the model itself, where
 /// `departure` has it begin.
-[[nodiscard]] HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact,
-                                         const Mesh& mesh, const Format& format,
-                                         const AimedRays& rays, std::uint64_t count,
-                                         std::uint64_t seed);
+[[nodiscard]] std::vector<HitErrors> secondary_errors(std::span<const Tracer* const> models,
+                                                      const ExactTracer& exact, const Mesh& mesh,
+                                                      const Format& format, const AimedRays& rays,
+                                                      const MostRays& most, std::uint64_t seed);
 
 }  // namespace ti

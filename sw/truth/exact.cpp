@@ -65,6 +65,29 @@ QuickDet quick_det(const Point& a, const QuickCross& b) {
   return {a[0] * b.v[0] + a[1] * b.v[1] + a[2] * b.v[2], 0x1p-49 * size};
 }
 
+/// The double nearest to num / den (within 1 ulp); den is not 0.
+double quotient_of(const mpz_class& num, const mpz_class& den) {
+  // get_d truncates and saturates in ways that depend on the exponent; scale to the middle of the
+  // range instead.
+  if (sgn(num) == 0) {
+    return 0.0;
+  }
+  const auto bits = [](const mpz_class& z) {
+    return static_cast<long>(mpz_sizeinbase(z.get_mpz_t(), 2));
+  };
+  const long shift = 64 - (bits(num) - bits(den));  // the quotient gets 64 or 65 bits
+  mpz_class top = abs(num);
+  mpz_class bottom = abs(den);
+  if (shift >= 0) {
+    top <<= static_cast<unsigned long>(shift);
+  } else {
+    bottom <<= static_cast<unsigned long>(-shift);
+  }
+  const mpz_class quotient = top / bottom;
+  const double magnitude = std::ldexp(mpz_get_d(quotient.get_mpz_t()), static_cast<int>(-shift));
+  return sgn(num) == sgn(den) ? magnitude : -magnitude;
+}
+
 }  // namespace
 
 Vec3<mpz_class> exact_normal(const Corners& triangle) {
@@ -93,13 +116,16 @@ std::optional<ExactMeeting> exact_meeting(const Ray& ray, const Corners& triangl
   if (sgn(v) < 0) {
     return std::nullopt;
   }
-  const mpz_class w = det * sign - u - v;
+  const mpz_class size = det * sign;
+  const mpz_class w = size - u - v;
   if (sgn(w) < 0) {
     return std::nullopt;
   }
   ExactMeeting meeting;
   meeting.t = mpq_class(dot(e2, q), det);
   meeting.t.canonicalize();
+  meeting.u = quotient_of(u, size);
+  meeting.v = quotient_of(v, size);
   meeting.boundary = sgn(u) == 0 || sgn(v) == 0 || sgn(w) == 0;
   return meeting;
 }
@@ -116,19 +142,21 @@ QuickMeeting quick_meeting(const Ray& ray, const Corners& triangle) {
   if (!(std::abs(det.v) > det.e)) return {};
   const double sign = det.v < 0.0 ? -1.0 : 1.0;
   const QuickDet u = quick_det(s, p);
-  if (u.v * sign < -u.e) return {Answer::Misses, 0.0, 0.0};
+  if (u.v * sign < -u.e) return {.answer = Answer::Misses};
   const QuickCross q = quick_cross(s, e1);
   const QuickDet v = quick_det(d, q);
-  if (v.v * sign < -v.e) return {Answer::Misses, 0.0, 0.0};
+  if (v.v * sign < -v.e) return {.answer = Answer::Misses};
   const double w = (det.v - u.v - v.v) * sign;
   const double w_error = 2.0 * (det.e + u.e + v.e);
-  if (w < -w_error) return {Answer::Misses, 0.0, 0.0};
+  if (w < -w_error) return {.answer = Answer::Misses};
   if (!(u.v * sign > u.e && v.v * sign > v.e && w > w_error)) return {};
   const QuickDet depth = quick_det(e2, q);
   const double t = depth.v / det.v;
   const double error =
       1.001 * (depth.e + std::abs(t) * det.e) / (std::abs(det.v) - det.e) + 0x1p-52 * std::abs(t);
-  return {Answer::Meets, t, error};
+  // The weights are right to the sum of both relative errors, twice.
+  const double weight_error = 2.0 * (u.e + v.e + det.e) / std::abs(det.v);
+  return {Answer::Meets, t, error, u.v / det.v, v.v / det.v, weight_error};
 }
 
 bool between_ends(const Ray& ray, const mpq_class& t) {
@@ -146,27 +174,6 @@ bool between_ends(const Ray& ray, const mpq_class& t) {
 
 bool in_interval(const Ray& ray, const mpq_class& t) { return sgn(t) >= 0 && between_ends(ray, t); }
 
-double to_double(const mpq_class& q) {
-  // get_d truncates and saturates in ways that depend on the exponent; scale to the middle of the
-  // range instead.
-  if (sgn(q) == 0) {
-    return 0.0;
-  }
-  const auto bits = [](const mpz_class& z) {
-    return static_cast<long>(mpz_sizeinbase(z.get_mpz_t(), 2));
-  };
-  const long shift =
-      64 - (bits(q.get_num()) - bits(q.get_den()));  // the quotient gets 64 or 65 bits
-  mpz_class num = abs(q.get_num());
-  mpz_class den = q.get_den();
-  if (shift >= 0) {
-    num <<= static_cast<unsigned long>(shift);
-  } else {
-    den <<= static_cast<unsigned long>(-shift);
-  }
-  const mpz_class quotient = num / den;
-  const double magnitude = std::ldexp(mpz_get_d(quotient.get_mpz_t()), static_cast<int>(-shift));
-  return sgn(q) < 0 ? -magnitude : magnitude;
-}
+double to_double(const mpq_class& q) { return quotient_of(q.get_num(), q.get_den()); }
 
 }  // namespace ti

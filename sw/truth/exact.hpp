@@ -15,6 +15,8 @@ namespace ti {
 /// Where the line of a ray meets a triangle, without any rounding.
 struct ExactMeeting {
   mpq_class t;            ///< distance in units of the ray's direction, any sign
+  double u = 0.0;         ///< weight of the second corner, rounded to double within 1 ulp
+  double v = 0.0;         ///< of the third
   bool boundary = false;  ///< on an edge or a vertex
 };
 
@@ -36,6 +38,9 @@ struct QuickMeeting {
   Answer answer = Answer::Open;  ///< Open: only integers can tell
   double t = 0.0;                ///< of Meets
   double error = 0.0;            ///< |t - exact t| is at most this
+  double u = 0.0;                ///< of Meets, the weights of the second corner
+  double v = 0.0;                ///< and the third,
+  double weight_error = 0.0;     ///< each off by at most this
 };
 
 /// The same question as `exact_meeting` by the same form in doubles. Misses and Meets are proven:

@@ -81,6 +81,8 @@ struct ExactTracer::Impl {
                                          Meeting& meeting) const;
   /// Whether the ray meets a triangle in its interval at a t of at most `limit`.
   [[nodiscard]] bool meets_by(const Ray& ray, std::uint32_t record, double limit) const;
+  /// The weights of the second and third corner where the ray meets a triangle.
+  [[nodiscard]] glm::dvec2 weights(const Ray& ray, std::uint32_t record) const;
   /// Walks the ray from the box on; `visit` as in `PaddedKdTree::walk`. Nothing for a ray that
   /// passes the box.
   template <typename Visit>
@@ -121,6 +123,14 @@ bool ExactTracer::Impl::meets_by(const Ray& ray, std::uint32_t record, double li
   const Order place = order(*met, limit, limit);
   if (place != Order::Open) return place == Order::Less;
   return exact_t(ray, record, *met) <= mpq_class(limit);
+}
+
+glm::dvec2 ExactTracer::Impl::weights(const Ray& ray, std::uint32_t record) const {
+  const QuickMeeting quick = quick_meeting(ray, triangles[record]);
+  if (quick.answer == QuickMeeting::Answer::Meets && quick.weight_error < 0x1p-40)
+    return {quick.u, quick.v};
+  const auto met = exact_meeting(ray, triangles[record]);
+  return {met->u, met->v};
 }
 
 template <typename Visit>
@@ -178,9 +188,15 @@ ExactTracer::Hit ExactTracer::trace(const Ray& given) const {
   if (least.high - least.low > 0x1p-40 * std::abs(least.t))
     (void)impl_->exact_t(ray, records.front(), least);
   best.t = least.t;
-  for (const std::uint32_t record : records)
-    best.prims.push_back(static_cast<std::int32_t>(impl_->image.prim(record)));
-  std::sort(best.prims.begin(), best.prims.end());
+  const auto prim = [this](std::uint32_t record) {
+    return static_cast<std::int32_t>(impl_->image.prim(record));
+  };
+  std::sort(records.begin(), records.end(),
+            [&prim](std::uint32_t a, std::uint32_t b) { return prim(a) < prim(b); });
+  for (const std::uint32_t record : records) {
+    best.prims.push_back(prim(record));
+    best.weights.push_back(impl_->weights(ray, record));
+  }
   return best;
 }
 
