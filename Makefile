@@ -202,7 +202,7 @@ accuracy: build/setup.stamp build/sw/ti $(call made,$(call unmoved,$(accuracy_sc
 	@scripts/setup.sh --checks
 	@build/checks/bin/python scripts/accuracy.py --ti build/sw/ti --config $(call q,CONFIG) $(call opt,--formats,FORMATS) \
 	  $(call opt,--tests,TESTS) $(call opt,--traversals,TRAVERSALS) $(call opt,--rays,RAYS) $(call opt,--seed,SEED) \
-	  --count $(or $(call opt,,N),$(if $(value QUICK),2000,100000)) --work $(or $(call opt,,WORK),$(if $(value QUICK),2e6,2e8)) \
+	  --count $(or $(call opt,,N),$(if $(value QUICK),2000,100000)) --work $(or $(call opt,,WORK),$(if $(value QUICK),2e6,1e8)) \
 	  --size $(if $(filter file,$(origin SIZE)),$(if $(value QUICK),80x60,320x240),$(call q,SIZE)) $(call opt,--rtl,RTL) $(call opt,--scheduler,SCHEDULER) \
 	  --out $(call out,build/accuracy/sweep) \
 	  --scene $(foreach s,$(accuracy_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(call unmoved,$(s)))')"'$(subst ','\'',$(call moved,$(s)))')

@@ -283,7 +283,7 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument(
         "--work",
         type=float,
-        default=2e8,
+        default=1e8,
         help="steps and tests for rays of a kind, then fewer rays",
     )
     parser.add_argument("--size", default="320x240", metavar="WIDTHxHEIGHT")

@@ -33,7 +33,7 @@ struct Arguments {
   std::string base_file;           ///< configuration that a machine was planned on; empty: none was
   std::filesystem::path keys;      ///< of machine: file for them; empty: render
   std::uint64_t count = 100000;    ///< of accuracy and ladder: rays of each kind
-  double work = 2e8;               ///< of accuracy: steps and tests for rays of a kind in a format
+  double work = 1e8;               ///< of accuracy: steps and tests for rays of a kind in a format
   int spp = 1;
   int bounces = 4;
   std::string frames;  ///< of an animation; empty: a picture
