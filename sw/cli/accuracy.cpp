@@ -12,6 +12,7 @@
 #include "base/limits.hpp"
 #include "cli/traced_run.hpp"
 #include "io/file.hpp"
+#include "scene/scaling.hpp"
 
 namespace ti {
 namespace {
@@ -77,8 +78,10 @@ int accuracy(Arguments& arguments) {
     throw Error(fmt::format("{}: it has no triangle, so there is nothing to aim at",
                             arguments.run.scene.string()));
   }
-  const Mesh& mesh = session.scene().mesh;
+  // All is done in the space of the engine.
+  const Mesh mesh = scaled(session.scene().mesh, session.format());
   const Format& format = arguments.run.config.format;
+  const ScaledFormat in_engine(format, 0, session.format().by_area);
   const ExactTracer exact(mesh, format);
   Json points = Json::array();
   fmt::print("{:<10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>12}\n", "per million", "rays",
@@ -89,7 +92,7 @@ int accuracy(Arguments& arguments) {
     const auto aim = secondary ? Aim::Uniform : static_cast<Aim>(at - kAimNames.begin());
     const AimedRays rays(mesh, aim, arguments.seed);
     const HitErrors errors =
-        secondary ? secondary_errors(session.model(), exact, mesh, format, rays, arguments.count,
+        secondary ? secondary_errors(session.model(), exact, mesh, in_engine, rays, arguments.count,
                                      arguments.seed)
                   : hit_errors(session.model(), exact, mesh, format, rays, arguments.count);
     const double scale = 1e6 / static_cast<double>(std::max<std::uint64_t>(1, errors.rays));
@@ -102,6 +105,7 @@ int accuracy(Arguments& arguments) {
   const Json out{{"scene", arguments.run.scene.string()},
                  {"seed", arguments.seed},
                  {"format", name_of(format)},
+                 {"scale", session.format().scale},
                  {"points", points}};
   write_file(file, out.dump(1) + "\n");
   fmt::print("{}\n", file.string());

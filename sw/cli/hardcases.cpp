@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 
+#include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "cli/hardcase_file.hpp"
+#include "scene/scaling.hpp"
 #include "truth/bounds.hpp"
 #include "truth/exact.hpp"
 #include "truth/impl.hpp"
@@ -31,22 +33,30 @@ std::string hit_text(const Hit& hit) {
   return fmt::format("hit {} at {}", hit.prim, hit.t);
 }
 
+/// How an engine has the case.
+ScaledFormat format_of(const HardCase& c, const Format& format, TestKind test) {
+  return {format, scene_scale(largest_coordinate(c.mesh), format, test)};
+}
+
 /// Whether hit.t is the exact t of the case within the bound of the test of the reported triangle.
 bool t_within_bound(const HardCase& c, const Hit& hit, TestKind test) {
   const BoundedOps ops(kBinary32);
+  const ScaledFormat format = format_of(c, kBinary32, test);
+  const Mesh mesh = scaled(c.mesh, format);
   const auto constants =
-      test_constants(c.mesh.corners(static_cast<std::size_t>(hit.prim)), kBinary32, test);
+      test_constants(mesh.corners(static_cast<std::size_t>(hit.prim)), kBinary32, test);
   if (!constants || !std::isfinite(hit.t)) {
     return false;
   }
-  const TestBand band = test_band(ops, *constants, c.ray);
+  const TestBand band = test_band(ops, *constants, scaled(c.ray, format.scale));
   if (!band.possible) {
     return false;
   }
   if (!std::isfinite(band.t.e)) {
     return true;
   }
-  return abs(mpq_class(double{hit.t}) - parse_rational(c.exact_t).value()) <= mpq_class(band.t.e);
+  const mpq_class off = abs(mpq_class(double{hit.t}) - parse_rational(c.exact_t).value());
+  return off * mpq_class(std::ldexp(1.0, format.scale)) <= mpq_class(band.t.e);
 }
 
 CaseResult expect_miss(const Hit& hit) { return {!hit.is_hit(), false, "miss", hit_text(hit)}; }
@@ -152,17 +162,20 @@ CaseResult expect_self(const HardCase& c, const Hit& hit, TestKind test) {
 /// Shorter formats: exact arithmetic on the rounded case, and whatever the bounds of that format
 /// explain.
 CaseResult judge_rounded(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
-  const Truth truth(c.mesh, format, "", Truth::kLooks, test);
-  const Truth::ExactHit exact = truth.exact(c.ray);
+  const ScaledFormat its = format_of(c, format, test);
+  const Truth truth(scaled(c.mesh, its), format, "", Truth::kLooks, test);
+  const Ray ray = scaled(c.ray, its.scale);
+  const Truth::ExactHit exact = truth.exact(ray);
   Hit reference;
   if (exact.hit) {
     reference.prim = exact.prims.front();
     reference.t = static_cast<float>(exact.t);
   }
-  CaseResult result{truth.judge(c.ray, hit, reference) != Verdict::Unexplained, false, "miss",
-                    hit_text(hit)};
+  const Verdict verdict = truth.judge(ray, scaled(hit, its.scale), reference);
+  CaseResult result{verdict != Verdict::Unexplained, false, "miss", hit_text(hit)};
   if (exact.hit) {
-    result.required = fmt::format("hit {} at {} within the bounds", ids_text(exact.prims), exact.t);
+    result.required = fmt::format("hit {} at {} within the bounds", ids_text(exact.prims),
+                                  std::ldexp(exact.t, -its.scale));
   }
   return result;
 }

@@ -40,7 +40,8 @@ struct CaseResult {
   std::string text;      ///< what came out, and why that is right or wrong
 };
 
-/// Judges what an engine of `format` with that triangle test reported.
+/// Judges what an engine of `format` with that triangle test reported, in the units of the case.
+/// Bounds are those of the case as the engine has it, scaled.
 ///
 /// (8, 23): by the results in the case. Shorter formats: the case is rounded first and its results
 /// are computed anew.

@@ -151,15 +151,15 @@ HitErrors hit_errors(const Tracer& model, const ExactTracer& exact, const Mesh& 
 }
 
 HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact, const Mesh& mesh,
-                           const Format& format, const AimedRays& rays, std::uint64_t count,
+                           const ScaledFormat& format, const AimedRays& rays, std::uint64_t count,
                            std::uint64_t seed) {
-  const CrackJudge cracks(exact, mesh, format);
+  const CrackJudge cracks(exact, mesh, format.numbers);
   return sum_of_pieces(count, [&](std::size_t first, std::size_t last) {
     std::vector<Ray> given;
     std::vector<Hit> hits;
     Work before;
     for (std::size_t i = first; i < last; ++i) {
-      const Hit hit = hit_of(format, model.trace(rays(i), before));
+      const Hit hit = hit_of(format.numbers, model.trace(rays(i), before));
       if (!hit.is_hit()) continue;
       given.push_back(rays(i));
       hits.push_back(hit);

@@ -68,9 +68,9 @@ class CrackJudge {
                                    std::uint64_t count);
 
 /// The same for one cosine-distributed ray from each hit of those rays, where `departure` has it
-/// begin.
+/// begin; mesh and rays are in the space of the engine, so the scale of `format` is 0.
 [[nodiscard]] HitErrors secondary_errors(const Tracer& model, const ExactTracer& exact,
-                                         const Mesh& mesh, const Format& format,
+                                         const Mesh& mesh, const ScaledFormat& format,
                                          const AimedRays& rays, std::uint64_t count,
                                          std::uint64_t seed);
 
