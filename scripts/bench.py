@@ -120,7 +120,7 @@ def rays_of(scene, finder, kind: str, arguments: argparse.Namespace) -> tuple[np
     chosen = sample_tiles(tiles, wanted)
     places = np.concatenate([np.arange(TILE * i, min(TILE * (i + 1), len(rays))) for i in chosen])
     start = (rays[places], found.hits[places], found.prims[places], arguments.samples)
-    options = {"seed": SEED, "format": finder.format}
+    options = {"seed": SEED, "format": finder.format, "scale": finder.scale}
     if kind == "ao":
         secondary = scene.ao_rays(*start, radius=AO_RADIUS * scene.diagonal, **options)
     else:

@@ -233,6 +233,7 @@ Image assemble(const Emitter& parts, const KdRules& rules, const BuildOptions& o
   header.subnormals = options.format.modes.flush ? 1 : 0;
   header.reciprocal = static_cast<std::uint8_t>(options.format.modes.rcp_table_bits +
                                                 32 * options.format.modes.rcp_newton_steps);
+  header.scale = options.scale;
   header.section_count = static_cast<std::uint32_t>(sections.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     header.box_lo[axis] = round_to_bits(options.format, rules.box.lo[axis]);
@@ -267,6 +268,7 @@ Image image_of(const Mesh& mesh, const KdTree& tree, const KdRules& rules,
   stats.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   stats.dropped_nonfinite = prepared.dropped_nonfinite;
   stats.dropped_zero_area = prepared.dropped_zero_area;
+  stats.range = prepared.range;
   stats.nodes = static_cast<std::uint32_t>(parts.nodes.size());
   stats.references = static_cast<std::uint32_t>(parts.list.size());
   return assemble(parts, rules, options);
@@ -293,7 +295,8 @@ std::vector<BuiltImage> build_images(const Mesh& mesh, BuildOptions options,
   for (const TestKind test : tests) {
     const auto begin = std::chrono::steady_clock::now();
     options.test = test;
-    const PreparedTriangles prepared = prepare_triangles(mesh, options.format, test);
+    const PreparedTriangles prepared =
+        prepare_triangles(mesh, {options.format, options.scale}, test);
     if (!rules || prims != prepared.prims) {
       rules = make_rules(prepared.corners, options, std::nullopt);
       tree = build_kd_tree(prepared.corners, *rules);
@@ -318,19 +321,24 @@ struct MovingTree::State {
 };
 
 MovingTree::MovingTree(const BuildOptions& options, const Box& reach)
-    : state_(std::make_unique<State>(State{.options = options, .reach = reach})) {}
+    : state_(std::make_unique<State>(State{.options = options, .reach = reach})) {
+  for (Point* corner : {&state_->reach.lo, &state_->reach.hi}) {
+    for (double& x : *corner) x = std::ldexp(x, options.scale);
+  }
+}
 
 MovingTree::~MovingTree() = default;
 
 Image MovingTree::next(const Mesh& mesh, bool anew, BuildStats& stats) {
   const auto begin = std::chrono::steady_clock::now();
   stats = {};
+  const BuildOptions& options = state_->options;
   PreparedTriangles prepared =
-      prepare_triangles(mesh, state_->options.format, state_->options.test);
+      prepare_triangles(mesh, {options.format, options.scale}, options.test);
   const PreparedTriangles& last = state_->prepared;
   const bool same = state_->rules && last.prims == prepared.prims;
   if (anew || !same) {
-    state_->rules = make_rules(prepared.corners, state_->options, state_->reach);
+    state_->rules = make_rules(prepared.corners, options, state_->reach);
     state_->tree = build_kd_tree(prepared.corners, *state_->rules);
     stats.new_cells = 1;
     stats.new_references = static_cast<std::uint32_t>(state_->tree.references.size());
@@ -344,23 +352,24 @@ Image MovingTree::next(const Mesh& mesh, bool anew, BuildStats& stats) {
     stats.new_references = update.references;
   }
   state_->prepared = std::move(prepared);
-  Image image =
-      image_of(mesh, state_->tree, *state_->rules, state_->options, state_->prepared, stats);
+  Image image = image_of(mesh, state_->tree, *state_->rules, options, state_->prepared, stats);
   stats.seconds = seconds_since(begin);
   return image;
 }
 
 std::string dropped_warning(const BuildStats& stats) {
-  if (stats.dropped_nonfinite == 0 && stats.dropped_zero_area == 0) return {};
-  std::string text = "dropped ";
-  if (stats.dropped_nonfinite > 0) {
-    text +=
-        std::to_string(stats.dropped_nonfinite) + " with a vertex or constant that is not finite";
-  }
-  if (stats.dropped_zero_area > 0) {
-    if (stats.dropped_nonfinite > 0) text += " and ";
-    text += std::to_string(stats.dropped_zero_area) + " of zero area";
-  }
+  const std::uint32_t overflow = stats.range.dropped_overflow;
+  const std::uint32_t rounded = stats.range.dropped_rounded;
+  std::string text;
+  const auto add = [&text](std::uint32_t count, const char* why) {
+    if (count == 0) return;
+    text += (text.empty() ? "dropped " : " and ") + std::to_string(count) + why;
+  };
+  add(stats.dropped_nonfinite - overflow, " with a vertex that is not finite");
+  add(overflow, " with a vertex or constant beyond the format");
+  add(stats.dropped_zero_area - rounded, " of zero area");
+  add(rounded, " of zero area in the format");
+  if (text.empty()) return {};
   return text + " out of " + std::to_string(stats.triangles) + " triangles";
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "accel/image.hpp"
+#include "accel/range_audit.hpp"
 #include "base/config_keys.hpp"
 #include "base/vec.hpp"
 #include "scene/mesh.hpp"
@@ -20,6 +21,7 @@ struct BuildOptions {
   Format format;
   Layout layout = Layout::kOdfl;
   TestKind test = TestKind::Local;
+  int scale = 0;  ///< places stand in the image times 2^scale (`scene_scale`)
   double step_cost = 1.0;
   double test_cost = 1.5;
   double leaf_cost = 1.0;  ///< of a visit to a leaf, where a subtree is compared with one
@@ -40,6 +42,7 @@ struct BuildStats {
   std::uint32_t dropped_nonfinite =
       0;  ///< a vertex is NaN or infinite, or a constant does not fit the format
   std::uint32_t dropped_zero_area = 0;
+  RangeAudit range;  ///< what the format does not hold
   std::uint32_t nodes = 0, leaves = 0, empty_leaves = 0;
   std::uint32_t references = 0;  ///< list entries
   std::uint32_t largest_leaf = 0;
@@ -68,7 +71,7 @@ struct BuiltImage {
 /// The tree of a mesh whose vertices move from frame to frame (`update_kd_tree`).
 class MovingTree {
  public:
-  /// `reach` holds the usable vertices of all frames.
+  /// `reach` holds the usable vertices of all frames, in scene units.
   MovingTree(const BuildOptions& options, const Box& reach);
   ~MovingTree();
   MovingTree(const MovingTree&) = delete;

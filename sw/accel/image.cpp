@@ -102,6 +102,10 @@ void ImageChecker::check_header() const {
       (modes.rcp_table_bits == 0 && modes.rcp_newton_steps > 0)) {
     fail("reciprocal " + std::to_string(header.reciprocal) + " at byte 51 is none of the format");
   }
+  if (header.scale < -kMostScale || header.scale > kMostScale) {
+    fail("scale " + std::to_string(header.scale) + " at byte 56 is not from -" +
+         std::to_string(kMostScale) + " to " + std::to_string(kMostScale));
+  }
 }
 
 void ImageChecker::check_kinds() const {

@@ -47,9 +47,13 @@ struct ImageHeader {
   std::uint8_t subnormals = 0;  ///< 0 kept, 1 flushed
   std::uint8_t reciprocal = 0;  ///< 0 division, else bits of the index of a seed + 32 * steps
   std::uint32_t section_count = 0;
-  std::array<std::uint32_t, 2> reserved1{};
+  std::int32_t scale = 0;  ///< places stand in the image times 2^scale
+  std::uint32_t reserved1 = 0;
 };
 static_assert(sizeof(ImageHeader) == 64);
+
+/// Largest |scale|: no place of a mesh in binary32 asks for more, in any format.
+constexpr int kMostScale = 160;
 
 /// What stands in a section. A reader skips kinds that it does not know.
 enum class SectionKind : std::uint32_t { Nodes = 1, List = 2, Planes = 3, Barys = 4, Corners = 5 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "accel/prepare.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -81,7 +82,7 @@ Point edge(const Corners& corners, std::size_t end) {
 
 /// Computes the records; false when a constant is not finite in the format.
 bool make_records(const Corners& corners, Format format, TestKind test, ImagePlane& plane,
-                  ImageBary& bary) {
+                  ImageBary& bary, RangeLosses& losses) {
   const Point first = edge(corners, 1);
   const Point second = edge(corners, 2);
   const Point normal{difference_of_products(first[1], second[2], first[2], second[1]),
@@ -96,7 +97,9 @@ bool make_records(const Corners& corners, Format format, TestKind test, ImagePla
   bool finite = true;
   const auto rounded = [&](double value) {
     const std::uint32_t bits = round_to_bits(format, value);
-    finite = finite && std::isfinite(value_of_bits(format, bits));
+    const double stored = value_of_bits(format, bits);
+    losses.add(format, value, stored);
+    finite = finite && std::isfinite(stored);
     return bits;
   };
   const Point origin = point_of(corners[0]);
@@ -115,6 +118,60 @@ bool make_records(const Corners& corners, Format format, TestKind test, ImagePla
   bary.e1u = rounded(second[u] / normal[w]);
   bary.e1v = rounded(second[v] / normal[w]);
   return finite;
+}
+
+bool finite(const Corners& corners) {
+  return ti::finite(corners[0]) && ti::finite(corners[1]) && ti::finite(corners[2]);
+}
+
+/// Whether a triangle names each vertex.
+std::vector<std::uint8_t> named_vertices(const Mesh& mesh) {
+  std::vector<std::uint8_t> named(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t index : mesh.triangles[i]) {
+      if (index >= named.size()) {
+        throw Error("mesh: triangle " + std::to_string(i) + " names vertex " +
+                    std::to_string(index) + " of " + std::to_string(named.size()) +
+                    ": repair the mesh file");
+      }
+      named[index] = 1;
+    }
+  }
+  return named;
+}
+
+/// How many different places there are.
+std::size_t count_places(std::vector<Vec3<float>>& places) {
+  std::sort(places.begin(), places.end());
+  return static_cast<std::size_t>(std::unique(places.begin(), places.end()) - places.begin());
+}
+
+/// The vertices of a mesh, scaled and rounded; counts what that does to those that triangles name.
+std::vector<glm::vec3> rounded_vertices(const Mesh& mesh, const ScaledFormat& format,
+                                        RangeAudit& range) {
+  const std::vector<std::uint8_t> named = named_vertices(mesh);
+  std::vector<glm::vec3> rounded(mesh.vertices.size());
+  std::vector<Vec3<float>> before;
+  std::vector<Vec3<float>> after;
+  bool exact = true;
+  for (std::size_t i = 0; i < rounded.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double given = std::ldexp(double{mesh.vertices[i][axis]}, format.scale);
+      const double stored = round_to(format.numbers, given);
+      rounded[i][axis] = static_cast<float>(stored) + 0.0F;  // + 0: no -0
+      if (named[i] == 0) continue;
+      exact = exact && given == stored;
+      range.coordinates.add(format.numbers, given, stored);
+      if (std::abs(stored) < format.numbers.least_normal())
+        range.moved = std::max(range.moved, std::ldexp(std::abs(given - stored), -format.scale));
+    }
+    if (named[i] == 0 || !ti::finite(rounded[i])) continue;
+    const glm::vec3& p = mesh.vertices[i];
+    before.push_back({p.x + 0.0F, p.y + 0.0F, p.z + 0.0F});
+    after.push_back({rounded[i].x, rounded[i].y, rounded[i].z});
+  }
+  if (!exact) range.merged = static_cast<std::uint32_t>(count_places(before) - count_places(after));
+  return rounded;
 }
 
 }  // namespace
@@ -140,43 +197,32 @@ bool has_zero_area(const Corners& corners) {
   return true;
 }
 
-PreparedTriangles prepare_triangles(const Mesh& mesh, Format format, TestKind test) {
+PreparedTriangles prepare_triangles(const Mesh& mesh, const ScaledFormat& format, TestKind test) {
   const bool constants = test != TestKind::Woop;
   PreparedTriangles prepared;
   prepared.corners.reserve(mesh.triangles.size());
   prepared.prims.reserve(mesh.triangles.size());
   prepared.planes.reserve(constants ? mesh.triangles.size() : 0);
   prepared.barys.reserve(constants ? mesh.triangles.size() : 0);
-  std::vector<glm::vec3> rounded(mesh.vertices.size());
-  for (std::size_t i = 0; i < rounded.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      // + 0: no -0
-      rounded[i][axis] =
-          static_cast<float>(round_to(format, static_cast<double>(mesh.vertices[i][axis]))) + 0.0F;
-    }
-  }
+  const std::vector<glm::vec3> rounded = rounded_vertices(mesh, format, prepared.range);
 
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Corners given = mesh.corners(i);
     Corners corners;
-    bool all_finite = true;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::uint32_t index = mesh.triangles[i][corner];
-      if (index >= rounded.size()) {
-        throw Error("mesh: triangle " + std::to_string(i) + " names vertex " +
-                    std::to_string(index) + " of " + std::to_string(rounded.size()) +
-                    ": repair the mesh file");
-      }
-      corners[corner] = rounded[index];
-      all_finite = all_finite && finite(corners[corner]);
-    }
+    for (std::size_t corner = 0; corner < 3; ++corner)
+      corners[corner] = rounded[mesh.triangles[i][corner]];
     ImagePlane plane{};
     ImageBary bary{};
-    if (!all_finite) {
+    if (!finite(corners)) {
       ++prepared.dropped_nonfinite;
+      if (finite(given)) ++prepared.range.dropped_overflow;
     } else if (has_zero_area(corners)) {
       ++prepared.dropped_zero_area;
-    } else if (constants && !make_records(corners, format, test, plane, bary)) {
+      if (!has_zero_area(given)) ++prepared.range.dropped_rounded;
+    } else if (constants && !make_records(corners, format.numbers, test, plane, bary,
+                                          prepared.range.constants)) {
       ++prepared.dropped_nonfinite;
+      ++prepared.range.dropped_overflow;
     } else {
       plane.prim = static_cast<std::uint32_t>(i);
       prepared.corners.push_back(corners);

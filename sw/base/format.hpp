@@ -42,6 +42,16 @@ struct Format {
   [[nodiscard]] double least_normal() const;
 };
 
+/// The numbers in which an engine has a scene: a place p as p 2^scale in `numbers`.
+struct ScaledFormat {
+  Format numbers;
+  int scale = 0;
+  bool by_area = false;  ///< t is found by products with the area of the triangle (Woop's test)
+
+  ScaledFormat(const Format& format = {}, int exponent = 0, bool woop = false)
+      : numbers(format), scale(exponent), by_area(woop) {}
+};
+
 constexpr int Format::reciprocal_half_ulps() const {
   if (modes.rcp_table_bits == 0) return modes.toward_zero ? 2 : 1;
   // The relative error of a seed in 2^-30, then that before the last step, as `ti_fp_pkg` has it.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -12,6 +13,7 @@
 #include <tuple>
 
 #include "accel/prepare.hpp"
+#include "accel/scene_scale.hpp"
 #include "base/config.hpp"
 #include "base/error.hpp"
 #include "base/vec.hpp"
@@ -20,6 +22,7 @@
 #include "cli/traced_run.hpp"
 #include "io/file.hpp"
 #include "io/png.hpp"
+#include "scene/scaling.hpp"
 #include "truth/exact_picture.hpp"
 
 namespace ti {
@@ -46,10 +49,10 @@ Json quantiles_of(const std::vector<float>& errors) {
 }
 
 /// Where the cracks are in the picture: x, y, and 1 where it is seen.
-Json places_json(const std::vector<CrackPlace>& cracks, const ExactPicture& picture) {
+Json places_json(const std::vector<CrackPlace>& cracks, const ExactPicture& picture, int scale) {
   std::vector<glm::dvec3> points;
   points.reserve(cracks.size());
-  for (const CrackPlace& crack : cracks) points.push_back(crack.point);
+  for (const CrackPlace& crack : cracks) points.push_back(std::ldexp(1.0, -scale) * crack.point);
   Json places = Json::array();
   for (const ExactPicture::Place& place : picture.places_of(points)) {
     const auto tenths = [](double x) { return std::floor(10.0 * x) / 10.0; };
@@ -58,7 +61,9 @@ Json places_json(const std::vector<CrackPlace>& cracks, const ExactPicture& pict
   return places;
 }
 
-Json json_of(const std::string& kind, const HitErrors& errors, const ExactPicture& picture) {
+/// Errors were found at 2^scale times the size of the scene.
+Json json_of(const std::string& kind, const HitErrors& errors, const ExactPicture& picture,
+             int scale) {
   const double rays = static_cast<double>(std::max<std::uint64_t>(1, errors.rays));
   return {{"rays", kind},
           {"count", errors.rays},
@@ -76,7 +81,7 @@ Json json_of(const std::string& kind, const HitErrors& errors, const ExactPictur
           {"steps_per_ray", static_cast<double>(errors.work.steps) / rays},
           {"tests_per_ray", static_cast<double>(errors.work.a_tests) / rays},
           {"restarts_per_ray", static_cast<double>(errors.work.restarts) / rays},
-          {"crack_places", places_json(errors.crack_places, picture)}};
+          {"crack_places", places_json(errors.crack_places, picture, scale)}};
 }
 
 const char* walk_name(const Config& config) {
@@ -188,14 +193,22 @@ class Sweep {
                "rays", "missed", "cracks", "false", "wrong", "self", "t p99.9 ulp");
   }
 
-  /// Adds machines of one format. One that cannot hold the scene gets a line that says why.
+  /// Adds machines of one format and scale. One that cannot hold the scene gets a line that says
+  /// why.
   void add(const std::vector<Config>& configs);
+
+  /// The exponent of the power of two by which a machine has the scene.
+  [[nodiscard]] int scale_of(const Config& config) const {
+    return scene_scale(largest_coordinate(scene_.mesh), config.format,
+                       test_kind(config.triangle_test));
+  }
 
  private:
   [[nodiscard]] Json head_of(const Config& config) const;
   [[nodiscard]] std::vector<HitErrors> count(const std::string& kind,
                                              const std::vector<const Tracer*>& models,
-                                             const ExactTracer& exact, const Format& format) const;
+                                             const ExactTracer& exact, const Mesh& mesh,
+                                             const ScaledFormat& format) const;
 
   const Arguments& arguments_;
   const Scene& scene_;
@@ -222,16 +235,21 @@ Json Sweep::head_of(const Config& config) const {
 
 void Sweep::add(const std::vector<Config>& configs) {
   const Format format = configs.front().format;
+  const int scale = scale_of(configs.front());
+  const ScaledFormat whole(format, scale);
+  const ScaledFormat in_engine(format, 0, true);  // rays leave hits as they do for Woop's test
   const Machines machines = machines_of(arguments_.run, configs, scene_);
   std::vector<const Tracer*> models;
   for (const auto& session : machines.sessions) models.push_back(&session->model());
 
   std::vector<std::vector<HitErrors>> found;  // [kind][model]
   if (!models.empty()) {
+    const Mesh mesh = scaled(scene_.mesh, whole);
     std::optional<ExactTracer> own;
-    if (!(format == kGiven)) own.emplace(scene_.mesh, format);
+    if (!(format == kGiven) || scale != 0) own.emplace(mesh, format);
     const ExactTracer& exact = own ? *own : given_;
-    for (const std::string& kind : kinds_) found.push_back(count(kind, models, exact, format));
+    for (const std::string& kind : kinds_)
+      found.push_back(count(kind, models, exact, mesh, in_engine));
   }
   std::size_t m = 0;
   for (std::size_t i = 0; i < configs.size(); ++i) {
@@ -243,13 +261,13 @@ void Sweep::add(const std::vector<Config>& configs) {
       continue;
     }
     const BuildStats& tree = machines.sessions[m]->tree();
-    const auto picture = picture_.of(*models[m], format, kPictureWork * arguments_.work);
+    const auto picture = picture_.of(*models[m], whole, kPictureWork * arguments_.work);
     double seconds = 0.0;
     Json points = Json::array();
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
       const HitErrors& errors = found[k][m];
       seconds += errors.seconds;
-      points.push_back(json_of(kinds_[k], errors, picture_));
+      points.push_back(json_of(kinds_[k], errors, picture_, scale));
       const double scale = 1e6 / static_cast<double>(std::max<std::uint64_t>(1, errors.rays));
       const auto rate = [scale](std::uint64_t n) { return static_cast<double>(n) * scale; };
       fmt::print("{:<22} {:<10} {:>8} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.2f}\n",
@@ -257,6 +275,7 @@ void Sweep::add(const std::vector<Config>& configs) {
                  rate(errors.cracks), rate(errors.false_hits), rate(errors.wrong),
                  rate(errors.self_hits), quantile(errors.t_ulps, 0.999));
     }
+    line["scale"] = scale;
     line["dropped"] = tree.dropped_nonfinite + tree.dropped_zero_area;
     line["kinds"] = std::move(points);
     line["picture"] = nullptr;
@@ -275,14 +294,14 @@ void Sweep::add(const std::vector<Config>& configs) {
 
 std::vector<HitErrors> Sweep::count(const std::string& kind,
                                     const std::vector<const Tracer*>& models,
-                                    const ExactTracer& exact, const Format& format) const {
-  const Mesh& mesh = scene_.mesh;
+                                    const ExactTracer& exact, const Mesh& mesh,
+                                    const ScaledFormat& format) const {
   const auto at = std::find(kAimNames.begin(), kAimNames.end(), kind);
   const bool secondary = at == kAimNames.end();
   const AimedRays rays(mesh, secondary ? Aim::Uniform : static_cast<Aim>(at - kAimNames.begin()),
                        arguments_.seed);
   const MostRays most(arguments_.count, arguments_.work);
-  if (!secondary) return hit_errors(models, exact, mesh, format, rays, most);
+  if (!secondary) return hit_errors(models, exact, mesh, format.numbers, rays, most);
   return secondary_errors(models, exact, mesh, format, rays, most, arguments_.seed);
 }
 
@@ -307,17 +326,19 @@ int accuracy(Arguments& arguments) {
                     arguments.run.scene.string(), scene.mesh.triangles.size()));
   }
   Sweep sweep(arguments, scene);
-  std::vector<std::vector<Config>> by_format;
+  std::vector<std::vector<Config>> groups;
   for (const Config& config : configs) {
-    const auto same = [&config](const auto& group) { return group[0].format == config.format; };
-    const auto group = std::find_if(by_format.begin(), by_format.end(), same);
-    if (group == by_format.end()) {
-      by_format.push_back({config});
+    const auto same = [&](const auto& group) {
+      return group[0].format == config.format && sweep.scale_of(group[0]) == sweep.scale_of(config);
+    };
+    const auto group = std::find_if(groups.begin(), groups.end(), same);
+    if (group == groups.end()) {
+      groups.push_back({config});
     } else {
       group->push_back(config);
     }
   }
-  for (const auto& group : by_format) {
+  for (const auto& group : groups) {
     if (*arguments.run.stop) return kInterrupted;
     sweep.add(group);
   }

@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 
+#include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "cli/hardcase_file.hpp"
+#include "scene/scaling.hpp"
 #include "truth/bounds.hpp"
 #include "truth/exact.hpp"
 #include "truth/impl.hpp"
@@ -299,6 +301,19 @@ void set_exact(HardCase& c, const Format& format, TestKind test) {
 
 }  // namespace
 
+HardCase scaled_case(const HardCase& c, int scale) {
+  if (scale == 0) return c;
+  HardCase moved = c;
+  moved.mesh = scaled(c.mesh, {kBinary32, scale});
+  moved.ray = scaled(c.ray, scale);
+  if (c.exact_hit) {
+    mpq_class t = parse_rational(c.exact_t).value();
+    t *= mpq_class(std::ldexp(1.0, scale));
+    moved.exact_t = t.get_str();
+  }
+  return moved;
+}
+
 HardCase rounded_case(const HardCase& c, const Format& format, TestKind test) {
   HardCase rounded = c;
   rounded.ray = round_ray(c.ray, format);
@@ -326,10 +341,14 @@ std::string oracle_of(const HardCase& c) {
   return "exact";
 }
 
-CaseResult judge_case(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
-  if (hit.is_hit() && static_cast<std::size_t>(hit.prim) >= c.mesh.triangles.size()) {
-    return {CaseOutcome::Fail, "a triangle of the case", hit_text(hit), ""};
+CaseResult judge_case(const HardCase& given, const Hit& found, const Format& format,
+                      TestKind test) {
+  if (found.is_hit() && static_cast<std::size_t>(found.prim) >= given.mesh.triangles.size()) {
+    return {CaseOutcome::Fail, "a triangle of the case", hit_text(found), ""};
   }
+  const int scale = scene_scale(largest_coordinate(given.mesh), format, test);
+  const HardCase c = scaled_case(given, scale);
+  const Hit hit = scaled(found, scale);
   return format == kBinary32 ? Rules(c, hit, format, test).judge(c.rule)
                              : judge_rounded(c, hit, format, test);
 }

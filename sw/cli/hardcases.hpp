@@ -55,13 +55,17 @@ struct CaseResult {
   [[nodiscard]] bool pass() const { return outcome != CaseOutcome::Fail; }
 };
 
-/// Judges what an engine of `format` with that triangle test reported.
+/// Judges what an engine of `format` with that triangle test reported, in the units of the case.
+/// Bounds are those of the case as the engine has it, scaled.
 ///
 /// (8, 23): by the results in the case. Other formats and modes: the case is rounded first and its
 /// results are computed anew by integers; what differs from them passes where the error bounds of
 /// the test in that format explain it.
 [[nodiscard]] CaseResult judge_case(const HardCase& hard_case, const Hit& hit,
                                     const Format& format = {}, TestKind test = TestKind::Local);
+
+/// The case times 2^scale, as an engine has it (`scene_scale`).
+[[nodiscard]] HardCase scaled_case(const HardCase& hard_case, int scale);
 
 /// The case as an engine of `format` sees it: numbers rounded, triangles that the builder drops for
 /// that test left out of its results, which are computed by integers of any length.

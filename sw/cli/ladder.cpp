@@ -12,10 +12,12 @@
 #include <sstream>
 
 #include "accel/build.hpp"
+#include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "cli/hardcase_file.hpp"
 #include "engine/session.hpp"
 #include "scene/aimed_rays.hpp"
+#include "scene/scaling.hpp"
 #include "truth/exact_tracer.hpp"
 
 namespace ti {
@@ -130,14 +132,18 @@ std::string reasons(const std::vector<CaseRow>& rows, std::size_t rung) {
   return text;
 }
 
-/// Rungs [first, last) are of one format.
+/// Rungs [first, last) are of one format and have the scene times one power of two.
 struct Rise {
   std::size_t first, last;
+  int scale;
 };
-std::vector<Rise> rises_of(const std::vector<Rung>& rungs) {
+std::vector<Rise> rises_of(const std::vector<Rung>& rungs, double largest) {
   std::vector<Rise> rises;
   for (std::size_t i = 0; i < rungs.size(); ++i) {
-    if (i == 0 || rungs[i].format != rungs[i - 1].format) rises.push_back({i, i});
+    const Config& config = rungs[i].config;
+    const int scale = scene_scale(largest, config.format, test_kind(config.triangle_test));
+    if (i == 0 || rungs[i].format != rungs[i - 1].format || scale != rises.back().scale)
+      rises.push_back({i, i, scale});
     rises.back().last = i + 1;
   }
   return rises;
@@ -153,7 +159,8 @@ Models models_of(const Mesh& mesh, const std::vector<Rung>& rungs, const Rise& r
   Models models;
   for (std::size_t i = rise.first; i < rise.last; ++i) {
     BuildStats stats;
-    models.images.push_back(build_image(mesh, build_options_of(rungs[i].config), stats));
+    models.images.push_back(
+        build_image(mesh, build_options_of(rungs[i].config, largest_coordinate(mesh)), stats));
   }
   for (std::size_t i = rise.first; i < rise.last; ++i) {
     models.tracers.push_back(
@@ -270,22 +277,24 @@ Interval wilson(std::uint64_t count, std::uint64_t of) {
   return {count == 0 ? 0.0 : middle - half, count == of ? 1.0 : middle + half};
 }
 
-std::vector<VolumeRow> volumes(const Mesh& mesh, const std::vector<std::string>& kinds,
+std::vector<VolumeRow> volumes(const Mesh& given, const std::vector<std::string>& kinds,
                                std::uint64_t count, std::uint64_t seed,
                                const std::vector<Rung>& rungs) {
   std::vector<VolumeRow> rows;
   for (const std::string& kind : kinds) rows.push_back({kind, {}});
-  for (const Rise& rise : rises_of(rungs)) {
+  for (const Rise& rise : rises_of(rungs, largest_coordinate(given))) {
     const Format& format = rungs[rise.first].config.format;
+    const Mesh mesh = scaled(given, {format, rise.scale});
+    const ScaledFormat in_engine(format, 0, true);  // rays leave hits as they do for Woop's test
     const ExactTracer exact(mesh, format);
-    const Models models = models_of(mesh, rungs, rise);
+    const Models models = models_of(given, rungs, rise);
     for (VolumeRow& row : rows) {
       const auto at = std::find(kAimNames.begin(), kAimNames.end(), row.kind);
       const bool secondary = at == kAimNames.end();
       const AimedRays rays(
           mesh, secondary ? Aim::Uniform : static_cast<Aim>(at - kAimNames.begin()), seed);
       const std::vector<HitErrors> errors =
-          secondary ? secondary_errors(models.all, exact, mesh, format, rays, count, seed)
+          secondary ? secondary_errors(models.all, exact, mesh, in_engine, rays, count, seed)
                     : hit_errors(models.all, exact, mesh, format, rays, count);
       row.errors.insert(row.errors.end(), errors.begin(), errors.end());
     }

@@ -13,9 +13,11 @@
 
 #include "base/error.hpp"
 #include "base/limits.hpp"
+#include "base/parallel.hpp"
 #include "scene/aimed_rays.hpp"
 #include "scene/geometry.hpp"
 #include "scene/rays.hpp"
+#include "scene/scaling.hpp"
 
 namespace ti {
 namespace {
@@ -37,17 +39,24 @@ std::vector<Ray> camera_rays(const Scene& scene, std::size_t count, std::uint64_
   return primary_rays(scene.camera, side, side, 1, seed).rays;
 }
 
+/// The hit of a ray, in the units of the scene.
+Hit hit_in_scene(const Tracer& model, const ScaledFormat& format, const Ray& ray) {
+  Work work;
+  return scaled(hit_of(format.numbers, model.trace(scaled(ray, format.scale), work)),
+                -format.scale);
+}
+
 std::vector<Ray> secondary(const RaySource& source, const Scene& scene, const Tracer& model,
-                           Format format, std::uint64_t seed) {
+                           const ScaledFormat& format, std::uint64_t seed) {
   const std::size_t lights = std::max<std::size_t>(1, scene.lights.size());
   const std::size_t per_hit = source.kind == "ao"       ? kAoSamples
                               : source.kind == "shadow" ? lights
                                                         : 1;
   const std::vector<Ray> rays = camera_rays(scene, (source.count + per_hit - 1) / per_hit, seed);
-  Work work;
-  std::vector<Hit> hits;
-  hits.reserve(rays.size());
-  for (const HitBits& bits : model.trace(rays, work)) hits.push_back(hit_of(format, bits));
+  std::vector<Hit> hits(rays.size());
+  parallel_pieces(rays.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) hits[i] = hit_in_scene(model, format, rays[i]);
+  });
 
   if (source.kind == "diffuse") return diffuse_rays(scene.mesh, format, rays, hits, seed);
   if (source.kind == "shadow")
@@ -76,15 +85,14 @@ std::vector<Ray> aimed(const Mesh& mesh, Aim aim, std::size_t count, std::uint64
 }
 
 /// Rays from the hits of rays of any direction, until there are enough or hits are too rare.
-std::vector<Ray> spawned(const Scene& scene, const Tracer& model, const Format& format,
+std::vector<Ray> spawned(const Scene& scene, const Tracer& model, const ScaledFormat& format,
                          std::size_t count, std::uint64_t seed) {
   const AimedRays at(scene.mesh, Aim::Uniform, seed);
   std::vector<Ray> rays;
   std::vector<Hit> hits;
-  Work work;
   const std::uint64_t most = 64 * std::uint64_t{count} + 1024;
   for (std::uint64_t i = 0; i < most && hits.size() < count; ++i) {
-    const Hit hit = hit_of(format, model.trace(at(i), work));
+    const Hit hit = hit_in_scene(model, format, at(i));
     if (!hit.is_hit()) continue;
     rays.push_back(at(i));
     hits.push_back(hit);
@@ -115,7 +123,7 @@ RaySource parse_ray_source(const std::string& text) {
 }
 
 std::vector<Ray> make_rays(const RaySource& source, const Scene& scene, const Tracer& model,
-                           Format format, std::uint64_t seed) {
+                           const ScaledFormat& format, std::uint64_t seed) {
   std::vector<Ray> rays;
   if (source.kind == "random") {
     rays = random_rays(scene.mesh, source.count, seed);

@@ -30,10 +30,12 @@ struct RaySource {
 /// to `kMaxRays`.
 [[nodiscard]] RaySource parse_ray_source(const std::string& text);
 
-/// The rays; `model` finds the hits that secondary rays start from. Secondary kinds may give fewer
-/// than asked for when primary rays miss. Throws `Error` when there are none.
+/// The rays; `model`, which has the scene in `format`, finds the hits that secondary rays start
+/// from. Secondary kinds may give fewer than asked for when primary rays miss. Throws `Error` when
+/// there are none.
 [[nodiscard]] std::vector<Ray> make_rays(const RaySource& source, const Scene& scene,
-                                         const Tracer& model, Format format, std::uint64_t seed);
+                                         const Tracer& model, const ScaledFormat& format,
+                                         std::uint64_t seed);
 
 /// The kinds of rays that are counted in volume that `text` names: of `kAimNames`, or `secondary`.
 /// Throws `Error` for a word that is none, and when there is none.

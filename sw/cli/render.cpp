@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "base/limits.hpp"
 #include "cli/frames.hpp"
@@ -106,7 +107,8 @@ class Renderer {
     if (animated) {
       tiles_.emplace(size);
       reach_ = animated_.animation.reach(animated_.scene);
-      tree_ = std::make_unique<MovingTree>(build_options_of(arguments.run.config), reach_);
+      const double largest = largest_coordinate(reach_);
+      tree_ = std::make_unique<MovingTree>(build_options_of(arguments.run.config, largest), reach_);
     }
     tracing_.emplace(arguments, size.pixels(), report_, tiles_ ? &*tiles_ : nullptr);
     if (const auto bounds = bounds_of(animated_.scene.mesh))
@@ -164,8 +166,7 @@ std::vector<std::uint8_t> Renderer::called_for(const Change& change, const Scene
       radiance_.empty() || plan().everything || change.view || change.lights || change.emits;
   if (all) return std::vector<std::uint8_t>(tiles_->count(), 1);
   if (change.nothing()) return std::vector<std::uint8_t>(tiles_->count(), 0);
-  const MovedRegion region(before.mesh, animated_.scene.mesh, change, reach_,
-                           arguments_.run.config.format);
+  const MovedRegion region(before.mesh, animated_.scene.mesh, change, reach_, session_->format());
   return tiles_->met(region);
 }
 
@@ -184,7 +185,7 @@ void Renderer::trace_tiles(const std::vector<std::uint8_t>& wanted) {
                      .spp = arguments_.spp,
                      .bounces = arguments_.bounces,
                      .seed = arguments_.seed,
-                     .format = arguments_.run.config.format,
+                     .format = session_->format(),
                      .effects = plan().effects,
                      .everything = plan().everything,
                      .ends_dim_paths = plan().ends_dim_paths,

@@ -117,7 +117,8 @@ void print_status(const Wave& total) {
     if (const auto count = total.with_status(status); count != 0)
       fmt::print("status:  {} of {} rays {}\n", count, total.hits.size(), what);
   };
-  line(Status::InvalidRay, "are invalid: a number that is not finite, or no direction");
+  line(Status::InvalidRay,
+       "are invalid: a number that is not finite in the format, or no direction");
   line(Status::MemoryError, "ended with an error of the memory");
   line(Status::Watchdog, "were ended by the watchdog");
 }
@@ -151,13 +152,15 @@ void print_checks(const Wave& total) {
 void print_tree(const Session& session) {
   const BuildStats& tree = session.tree();
   const std::filesystem::path& image = session.options().image;
+  const int scale = session.format().scale;
   for (const std::string& warning : session.warnings()) fmt::print("warning: {}\n", warning);
   fmt::print(
       "tree: {} triangles, {} nodes, {} leaves ({} empty), {:.2f} references a triangle, depth {}, "
-      "{}\n",
+      "{}{}\n",
       tree.triangles, tree.nodes, tree.leaves, tree.empty_leaves,
       ratio(static_cast<double>(tree.references), tree.triangles), tree.depth,
-      image.empty() ? fmt::format("{:.2f} s", tree.seconds) : "from " + image.string());
+      image.empty() ? fmt::format("{:.2f} s", tree.seconds) : "from " + image.string(),
+      scale == 0 ? "" : fmt::format(", scaled by 2^{}", scale));
   std::fflush(stdout);  // also into a pipe: what follows may take long
 }
 

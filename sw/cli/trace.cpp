@@ -22,8 +22,7 @@ int trace(Arguments& arguments) {
   Progress progress(source.file.empty() ? source.count : rays.size());
   Session session = start(arguments, progress);
   if (source.file.empty()) {
-    rays = make_rays(source, session.scene(), session.model(), arguments.run.config.format,
-                     arguments.seed);
+    rays = make_rays(source, session.scene(), session.model(), session.format(), arguments.seed);
   }
   Report report{
       .request = {.command = "trace", .rays = arguments.rays, .size = {}, .seed = arguments.seed},

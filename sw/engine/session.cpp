@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <chrono>
 
+#include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "engine/stored_image.hpp"
 #include "io/file.hpp"
+#include "scene/scaling.hpp"
 
 namespace ti {
 namespace {
@@ -25,11 +27,12 @@ std::filesystem::path log_file(const RunOptions& options, const char* who) {
 
 }  // namespace
 
-BuildOptions build_options_of(const Config& config) {
+BuildOptions build_options_of(const Config& config, double largest) {
   BuildOptions options;
   options.format = config.format;
   options.layout = config.layout;
   options.test = test_kind(config.triangle_test);
+  options.scale = scene_scale(largest, options.format, options.test);
   options.test_cost = config.tree_test_cost;
   options.leaf_cost = config.tree_leaf_cost;
   options.bad_splits = config.tree_bad_splits;
@@ -54,7 +57,8 @@ SceneImage scene_image_of(const Scene& scene, const RunOptions& options) {
     return {std::move(image), stats};
   }
   return in_scene(options, [&] {
-    Image image = build_image(scene.mesh, build_options_of(options.config), stats);
+    const double largest = largest_coordinate(scene.mesh);
+    Image image = build_image(scene.mesh, build_options_of(options.config, largest), stats);
     return SceneImage{std::move(image), stats};
   });
 }
@@ -63,7 +67,8 @@ std::vector<SceneImage> scene_images_of(const Scene& scene, const RunOptions& op
                                         std::span<const TestKind> tests) {
   return in_scene(options, [&] {
     std::vector<SceneImage> images;
-    for (BuiltImage& built : build_images(scene.mesh, build_options_of(options.config), tests))
+    for (BuiltImage& built : build_images(
+             scene.mesh, build_options_of(options.config, largest_coordinate(scene.mesh)), tests))
       images.push_back({std::move(built.image), built.stats});
     return images;
   });
@@ -112,9 +117,11 @@ Session::Session(const RunOptions& options, Scene scene, SceneImage image)
       model_(Tracer::create(image_, tracer_options_of(options_.config))) {
   if (const std::string warning = dropped_warning(stats_); !warning.empty())
     warnings_.push_back(warning);
+  if (std::string warning = range_warning(stats_.range, options_.config.format); !warning.empty())
+    warnings_.push_back(std::move(warning));
   if (options_.truth || options_.engine == EngineKind::Embree)
-    truth_ = std::make_unique<Truth>(scene_.mesh, options_.config.format, "", Truth::kLooks,
-                                     test_kind(options_.config.triangle_test));
+    truth_ = std::make_unique<Truth>(scaled(scene_.mesh, format()), options_.config.format, "",
+                                     Truth::kLooks, test_kind(options_.config.triangle_test));
   switch (options_.engine) {
     case EngineKind::Rtl: {
       RtlOptions rtl = options_.rtl;
@@ -138,10 +145,12 @@ void Session::require_triangles() const {
   if (stats_.triangles == 0 ||
       stats_.dropped_nonfinite + stats_.dropped_zero_area != stats_.triangles)
     return;
+  const std::uint32_t lost = stats_.range.dropped_overflow + stats_.range.dropped_rounded;
   throw Error(fmt::format(
-      "{}: none of its {} triangles is usable ({} not finite, {} of zero area); correct the mesh",
-      options_.scene.string(), stats_.triangles, stats_.dropped_nonfinite,
-      stats_.dropped_zero_area));
+      "{}: none of its {} triangles is usable ({} not finite, {} of zero area{}); correct the mesh",
+      options_.scene.string(), stats_.triangles, stats_.dropped_nonfinite, stats_.dropped_zero_area,
+      lost == 0 ? ""
+                : fmt::format("; {} of them only in {}", lost, name_of(options_.config.format))));
 }
 
 void Session::require_any_hit(const std::string& what) const {
@@ -173,7 +182,14 @@ std::vector<Answer> Session::answers_of(std::span<const Ray> rays, bool& stopped
   return answers;
 }
 
-Wave Session::trace(std::span<const Ray> rays) {
+Wave Session::trace(std::span<const Ray> given) {
+  const int scale = format().scale;
+  std::vector<Ray> moved;
+  if (scale != 0) {
+    moved.reserve(given.size());
+    for (const Ray& ray : given) moved.push_back(scaled(ray, scale));
+  }
+  std::span<const Ray> rays = scale == 0 ? given : moved;
   if (std::any_of(rays.begin(), rays.end(), [](const Ray& ray) { return ray.any; }))
     require_any_hit("these rays");
   if (options_.log_ray && *options_.log_ray >= submitted_ &&
@@ -215,6 +231,9 @@ Wave Session::trace(std::span<const Ray> rays) {
   if (options_.truth && options_.engine != EngineKind::Embree) {
     wave.truth = truth_->compare(rays, wave.hits);
     wave.times.truth = seconds_since(begin);
+  }
+  if (scale != 0) {
+    for (Hit& hit : wave.hits) hit = scaled(hit, -scale);
   }
   submitted_ += rays.size();
   return wave;

@@ -68,8 +68,9 @@ struct Wave {
   [[nodiscard]] bool good() const;
 };
 
-/// How the tree of a run is to be built.
-[[nodiscard]] BuildOptions build_options_of(const Config& config);
+/// How the tree of a run is to be built, where the largest |coordinate| of the scene, in all its
+/// frames, is `largest`.
+[[nodiscard]] BuildOptions build_options_of(const Config& config, double largest);
 /// How its model traces.
 [[nodiscard]] Tracer::Options tracer_options_of(const Config& config);
 
@@ -95,6 +96,9 @@ struct SceneImage {
                                                       std::span<const TestKind> tests);
 
 /// A scene with its tree, its model, its truth and the engine that traces it, each made once.
+///
+/// Rays and hits are in the units of the scene. Model, truth and engine have all places and t times
+/// 2^scale of the image; so do step logs, and the rays that lock-step and truth show.
 class Session {
  public:
   /// Throws `Error` when the engine cannot be had.
@@ -111,7 +115,12 @@ class Session {
   /// Traces rays on the one engine, whose caches are as the wave before left them.
   [[nodiscard]] Wave trace(std::span<const Ray> rays);
 
+  /// The model, in the space of the image.
   [[nodiscard]] const Tracer& model() const { return *model_; }
+  /// How the engine has the scene.
+  [[nodiscard]] ScaledFormat format() const {
+    return {options_.config.format, image_.header().scale, image_.header().test == TestKind::Woop};
+  }
   [[nodiscard]] const RunOptions& options() const { return options_; }
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const BuildStats& tree() const { return stats_; }

@@ -91,7 +91,7 @@ Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, const C
         "`make image`",
         path.string(), test_name(image.header().test), test_name(test)));
   }
-  const PreparedTriangles prepared = prepare_triangles(mesh, format, test);
+  const PreparedTriangles prepared = prepare_triangles(mesh, {format, image.header().scale}, test);
   const std::uint32_t foreign = first_foreign(image, prepared);
   if (foreign < image.parts().triangle_count ||
       image.parts().triangle_count != prepared.prims.size()) {
@@ -105,6 +105,7 @@ Image load_image_of(const std::filesystem::path& path, const Mesh& mesh, const C
   stats.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
   stats.dropped_nonfinite = prepared.dropped_nonfinite;
   stats.dropped_zero_area = prepared.dropped_zero_area;
+  stats.range = prepared.range;
   describe_tree(image, stats);
   return image;
 }

@@ -14,7 +14,8 @@ namespace ti {
 /// it (no cost, no time).
 ///
 /// Throws `Error` when the image is damaged, has another number format or layout than `config`, or
-/// when its triangle records are not those that `mesh` gives, bit for bit. `scene` is the name of
+/// when its triangle records are not those that `mesh` gives with the scale of the image, bit for
+/// bit. `scene` is the name of
 /// the mesh for that sentence.
 [[nodiscard]] Image load_image_of(const std::filesystem::path& path, const Mesh& mesh,
                                   const Config& config, const std::filesystem::path& scene,

@@ -8,6 +8,7 @@
 #include <nanobind/stl/string.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <map>
 #include <memory>
 
@@ -78,30 +79,37 @@ std::vector<Hit> hits_of(const HitArray& hits, const PrimArray& prims) {
   return all;
 }
 
-/// (E, M) as Python gives it, with "zero" and "flush" behind it where those are the modes.
-Format format_of(const nb::tuple& given) {
+/// (E, M) as Python gives it, with "zero", "flush" and "woop" behind it where those are the modes
+/// and the test.
+ScaledFormat format_of(const nb::tuple& given, int scale) {
   Format format{0, 0};
   bool known = nb::len(given) >= 2 && nb::try_cast(given[0], format.exp_bits) &&
                nb::try_cast(given[1], format.frac_bits) && format.exp_bits >= 3 &&
                format.exp_bits <= 8 && format.frac_bits >= 2 && format.frac_bits <= 23;
+  bool woop = false;
   for (std::size_t i = 2; known && i < nb::len(given); ++i) {
     const std::string word = nb::str(given[i]).c_str();
-    known = word == "zero" || word == "flush";
+    known = word == "zero" || word == "flush" || word == "woop";
+    woop = woop || word == "woop";
     format.modes.toward_zero = format.modes.toward_zero || word == "zero";
     format.modes.flush = format.modes.flush || word == "flush";
   }
-  if (known) return format;
+  if (std::abs(scale) > kMostScale)
+    throw Error("scale=" + std::to_string(scale) + ": give that of the engine (Engine.scale)");
+  if (known) return {format, scale, woop};
   throw Error(std::string("format=") + nb::str(given).c_str() +
-              ": give (E, M) of the engine, from (3, 2) to (8, 23), and \"zero\", \"flush\" behind "
-              "it if it has them (Engine.format)");
+              ": give (E, M) of the engine, from (3, 2) to (8, 23), and \"zero\", \"flush\", "
+              "\"woop\" behind it if it has them (Engine.format)");
 }
 
-nb::tuple tuple_of(const Format& format) {
+nb::tuple tuple_of(const ScaledFormat& engine) {
+  const Format& format = engine.numbers;
   nb::list words;
   words.append(format.exp_bits);
   words.append(format.frac_bits);
   if (format.modes.toward_zero) words.append("zero");
   if (format.modes.flush) words.append("flush");
+  if (engine.by_area) words.append("woop");
   return nb::tuple(words);
 }
 
@@ -163,7 +171,8 @@ class PyEngine {
     return traced;
   }
 
-  [[nodiscard]] nb::tuple format() const { return tuple_of(session_->options().config.format); }
+  [[nodiscard]] nb::tuple format() const { return tuple_of(session_->format()); }
+  [[nodiscard]] int scale() const { return session_->format().scale; }
 
  private:
   std::atomic<bool> stop_{false};
@@ -204,25 +213,28 @@ void bind_scene(nb::module_& module) {
       .def(
           "ao_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, float radius, std::uint64_t seed, const nb::tuple& format) {
-            return array_of_rays(ao_rays(s.scene.mesh, format_of(format), rays_of(rays),
+             int samples, float radius, std::uint64_t seed, const nb::tuple& format, int scale) {
+            return array_of_rays(ao_rays(s.scene.mesh, format_of(format, scale), rays_of(rays),
                                          hits_of(hits, prims), samples, radius, seed));
           },
           "rays"_a, "hits"_a, "prims"_a, "samples"_a, "radius"_a, "seed"_a = 1, nb::kw_only(),
-          "format"_a,
+          "format"_a, "scale"_a = 0,
           "`samples` cosine-distributed rays of length `radius` from each hit, float32 [N,8], for\n"
-          "engines of the number format `format` (`Engine.format`).")
+          "engines of `format` that have the scene times 2^`scale` (`Engine.format`, "
+          "`Engine.scale`).")
       .def(
           "diffuse_rays",
           [](const PyScene& s, const RayArray& rays, const HitArray& hits, const PrimArray& prims,
-             int samples, std::uint64_t seed, const nb::tuple& format) {
-            return array_of_rays(diffuse_rays(s.scene.mesh, format_of(format),
+             int samples, std::uint64_t seed, const nb::tuple& format, int scale) {
+            return array_of_rays(diffuse_rays(s.scene.mesh, format_of(format, scale),
                                               repeated(rays_of(rays), samples),
                                               repeated(hits_of(hits, prims), samples), seed));
           },
           "rays"_a, "hits"_a, "prims"_a, "samples"_a = 1, "seed"_a = 1, nb::kw_only(), "format"_a,
+          "scale"_a = 0,
           "`samples` cosine-distributed rays without an end from each hit, float32 [N,8], for\n"
-          "engines of the number format `format` (`Engine.format`).");
+          "engines of `format` that have the scene times 2^`scale` (`Engine.format`, "
+          "`Engine.scale`).");
 }
 
 void bind_wave(nb::module_& module) {
@@ -295,7 +307,10 @@ void bind_engine(nb::module_& module) {
           "and bandwidth, or \"dram\".")
       .def_prop_ro("format", &PyEngine::format,
                    "(E, M): exponent and fraction bits of its numbers; behind them \"zero\" and "
-                   "\"flush\" where it rounds toward zero or flushes subnormals.")
+                   "\"flush\" where it rounds toward zero or flushes subnormals, \"woop\" where it "
+                   "has that test.")
+      .def_prop_ro("scale", &PyEngine::scale,
+                   "The engine has places and t times 2^scale; rays and hits are in scene units.")
       .def("trace", &PyEngine::trace, "rays"_a, "any_hit"_a = false,
            "Traces float32 [N,8]: origin xyz, tmin, direction xyz, tmax; gives a Wave.");
 }

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/format_grid.hpp"
-
 namespace ti {
 namespace {
 
@@ -196,20 +194,17 @@ MachineDecision cores(const Config& base) {
           .bound = MachineDecision::kExact};
 }
 
-MachineDecision rescaling(const MachineFacts& facts, const Config& base) {
-  const double largest = FormatGrid(base.format).max();
-  const double product = facts.extent * facts.extent;
-  MachineDecision d{.what = "rescaling", .bound = MachineDecision::kExact};
-  if (product < largest) {
-    d.reason = fmt::format("coordinates up to {:.3g} and their products are below {:.3g}",
-                           facts.extent, largest);
-  } else {
-    d.reason = fmt::format(
-        "called for, as products of coordinates up to {:.3g} exceed {:.3g}, but no unit does it",
-        facts.extent, largest);
-    d.bound = "hits may be lost: scale the scene down, or take more exp_bits";
-  }
-  return d;
+MachineDecision rescaling(const MachineFacts& facts) {
+  return {
+      .what = "rescaling",
+      .on = facts.scale != 0,
+      .reason =
+          facts.scale == 0
+              ? fmt::format("coordinates up to {:.3g} are in the range of the test", facts.extent)
+              : fmt::format("the host scales by 2^{}: coordinates up to {:.3g} are not in "
+                            "the range of the test",
+                            facts.scale, facts.extent),
+      .bound = MachineDecision::kExact};
 }
 
 }  // namespace
@@ -238,9 +233,11 @@ MachineFacts machine_facts(const Image& image, const RtlOptions& memory) {
   facts.memory_bytes_per_cycle = memory.memory == MemoryKind::Ideal
                                      ? std::numeric_limits<double>::infinity()
                                      : memory.memory_bytes_per_cycle;
+  facts.scale = image.header().scale;
   for (const auto& corner : {image.header().box_lo, image.header().box_hi}) {
     for (const std::uint32_t bits : corner)
-      facts.extent = std::max(facts.extent, std::abs(value_of_bits(image.format(), bits)));
+      facts.extent = std::max(
+          facts.extent, std::ldexp(std::abs(value_of_bits(image.format(), bits)), -facts.scale));
   }
   return facts;
 }
@@ -252,7 +249,7 @@ MachinePlan make_machine_plan(const MachineFacts& facts, const Plan& plan, const
   for (const Reader& reader : readers) out.decisions.push_back(l2(reader, facts, base));
   out.decisions.push_back(memory(readers, facts, base));
   out.decisions.push_back(cores(base));
-  out.decisions.push_back(rescaling(facts, base));
+  out.decisions.push_back(rescaling(facts));
   return out;
 }
 

@@ -17,7 +17,8 @@ namespace ti {
 struct MachineFacts {
   std::optional<TreeBounds> bounds;  ///< none of an image whose nodes share children
   ImageParts parts{};                ///< of its memory image
-  double extent = 0.0;               ///< largest coordinate of the scene box, without its sign
+  int scale = 0;                     ///< of the image
+  double extent = 0.0;               ///< largest |coordinate| of the scene box, in scene units
   MemoryKind memory = MemoryKind::Fixed;
   int memory_latency = 100;
   double memory_bytes_per_cycle = 64.0;

@@ -35,10 +35,12 @@ struct MovedRegion::Impl {
 };
 
 MovedRegion::MovedRegion(const Mesh& before, const Mesh& after, const Change& change,
-                         const Box& reach, Format format)
+                         const Box& reach, const ScaledFormat& format)
     : impl_(std::make_unique<Impl>()) {
-  impl_->share = kWide * std::max(format.rounding_unit(), format.reciprocal_unit());
-  const double lost = format.modes.flush ? kWide * format.least_normal() : 0.0;
+  const Format& numbers = format.numbers;
+  impl_->share = kWide * std::max(numbers.rounding_unit(), numbers.reciprocal_unit());
+  const double least = std::ldexp(numbers.least_normal(), -format.scale);
+  const double lost = numbers.modes.flush ? kWide * least : 0.0;
   double largest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     largest = std::max({largest, std::abs(reach.lo[axis]), std::abs(reach.hi[axis])});

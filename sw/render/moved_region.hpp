@@ -22,7 +22,7 @@ namespace ti {
 class MovedRegion {
  public:
   MovedRegion(const Mesh& before, const Mesh& after, const Change& change, const Box& reach,
-              Format format);
+              const ScaledFormat& format);
   ~MovedRegion();
   MovedRegion(const MovedRegion&) = delete;
   MovedRegion& operator=(const MovedRegion&) = delete;

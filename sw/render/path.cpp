@@ -295,7 +295,7 @@ void PathTracer::add_direct(Shaded& out, const Path& path, const Vertex& vertex,
       continue;
     }
     add(reflected(toward->direction, 0.0) * toward->irradiance, Effect::Shadows,
-        [&] { return lights_.end_of(i, vertex.front, options_.format); });
+        [&] { return lights_.end_of(i, vertex.front, options_.format.numbers); });
   }
   if (!lights_.has_area()) return;
   const auto point = lights_.sample(vertex.position, random.get2({bounce, Purpose::Light}));

@@ -30,7 +30,7 @@ struct PathOptions {
   int spp = 1;
   int bounces = 4;  ///< scatterings of a path at most; 0: what emits is all there is
   std::uint64_t seed = 1;
-  Format format{};  ///< of the engine that traces
+  ScaledFormat format{};  ///< in which the engine that traces has the scene
   EffectSet effects{};
   /// Trace every ray that an effect could want, whatever it can add.
   bool everything = false;

@@ -78,6 +78,22 @@ ordered_json tree_json(const Session& session) {
           {"dropped_nonfinite", tree.dropped_nonfinite}};
 }
 
+ordered_json losses_json(const RangeLosses& losses) {
+  return {{"overflow", losses.overflowed},
+          {"vanish", losses.vanished},
+          {"keep_few_bits", losses.shortened}};
+}
+
+/// How the engine has the scene, and what its format does not hold of it.
+ordered_json range_json(const Session& session) {
+  const RangeAudit& range = session.tree().range;
+  return {
+      {"scale", session.format().scale},           {"coordinates", losses_json(range.coordinates)},
+      {"constants", losses_json(range.constants)}, {"moved", range.moved},
+      {"merged_vertices", range.merged},           {"dropped_overflow", range.dropped_overflow},
+      {"dropped_rounded", range.dropped_rounded}};
+}
+
 ordered_json check_json(const Wave& total) {
   ordered_json check;
   const LockStep& lock_step = total.lock_step;
@@ -315,6 +331,7 @@ std::string to_json(const Report& report, const Session& session) {
   json["reciprocal"] = format.modes.rcp_table_bits > 0 ? "newton" : "division";
   json["triangles"] = session.tree().triangles;
   json["tree"] = tree_json(session);
+  json["range"] = range_json(session);
   json["image_bytes"] = session.image().bytes().size();
   json["rays"] = total.hits.size();
   json["plan"] = plan_json(report.picture);

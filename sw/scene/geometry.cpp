@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "base/format_grid.hpp"
 #include "base/vec.hpp"
@@ -56,7 +57,13 @@ Surface surface_of(const Triangle& p, const Ray& ray, const Hit& hit) {
 ///   three times L, so 21 r N L, it has left the triangle by more than pass (b) can be wrong.
 /// - Underflow adds less than 64 times the largest error of a result below the least normal number,
 ///   times 1 + L.
-double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal, Format format) {
+/// - Woop's test has the sign of t from the sum of weights times ways, which is n . (p - o), the
+///   distance times twice the area. Underflow adds less than 64 times as much to it. It is divided
+///   by the length of the direction at last, and must not vanish then, even of a plane through the
+///   origin of space: 2^-10 r L.
+double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal,
+                 const ScaledFormat& engine) {
+  const Format& format = engine.numbers;
   const double r = format.rounding_unit();
   const double gamma = kStandOffPoint * r / (1.0 - kStandOffPoint * r);
   constexpr double kWeightError = 0x1p-50;  // of a double 1 - u - v, and what follows from it
@@ -72,8 +79,11 @@ double stand_off(const Triangle& p, const Hit& hit, const glm::dvec3& normal, Fo
       glm::max(p[0], glm::max(p[1], p[2])) - glm::min(p[0], glm::min(p[1], p[2]));
   const double longest = std::max({extent.x, extent.y, extent.z});
   const double across = n.x + n.y + n.z - std::max({n.x, n.y, n.z});
-  return glm::dot(n, error) + kStandOffTest * r * across * longest +
-         kUnderflow * least * (1.0 + longest);
+  const double underflow = kUnderflow * least * (1.0 + longest);
+  const double distance = glm::dot(n, error) + kStandOffTest * r * across * longest + underflow;
+  const double area = glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+  if (!engine.by_area || !(area > 0.0)) return distance;
+  return distance + underflow / area + 0x1p-10 * r * longest;
 }
 
 }  // namespace
@@ -103,22 +113,30 @@ Surface surface_at(const Mesh& mesh, const Ray& ray, const Hit& hit) {
   return surface_of(triangle_of(mesh, hit), ray, hit);
 }
 
-Departure departure(const Mesh& mesh, const Ray& ray, const Hit& hit, Format format) {
+Departure departure(const Mesh& mesh, const Ray& ray, const Hit& hit, const ScaledFormat& format) {
+  const Format& numbers = format.numbers;
   Triangle p = triangle_of(mesh, hit);
-  if (!(format == Format{})) {
+  if (!(numbers == Format{}) || format.scale != 0) {
     for (glm::dvec3& corner : p) {
-      for (int axis = 0; axis < 3; ++axis) corner[axis] = round_to(format, corner[axis]);
+      for (int axis = 0; axis < 3; ++axis)
+        corner[axis] = round_to(numbers, std::ldexp(corner[axis], format.scale));
     }
   }
   const Surface s = surface_of(p, ray, hit);
   const glm::dvec3 place = s.position + s.normal * stand_off(p, hit, s.normal, format);
-  const FormatGrid grid(format);
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const FormatGrid grid(numbers);
   Departure out{.origin = {}, .normal = s.normal};
   for (int axis = 0; axis < 3; ++axis) {
     const double n = s.normal[axis];
-    out.origin[axis] = n > 0.0   ? grid.at_least(place[axis])
-                       : n < 0.0 ? grid.at_most(place[axis])
-                                 : static_cast<float>(round_to(format, place[axis]));
+    const float x = n > 0.0   ? grid.at_least(place[axis])
+                    : n < 0.0 ? grid.at_most(place[axis])
+                              : static_cast<float>(round_to(numbers, place[axis]));
+    out.origin[axis] = std::ldexp(x, -format.scale);
+    // Where that is not exact it is below the least normal binary32.
+    const float back = std::ldexp(out.origin[axis], format.scale);
+    if (n * (double{x} - double{back}) > 0.0)
+      out.origin[axis] = std::nextafter(out.origin[axis], n > 0.0 ? kInf : -kInf);
   }
   return out;
 }

@@ -39,16 +39,17 @@ struct Surface {
 inline constexpr double kStandOffPoint = 7.0;
 inline constexpr double kStandOffTest = 32.0;
 
-/// Where rays leave a hit, for an engine of the number format `format`: on the triangle as that
-/// engine has it, its vertices rounded.
+/// Where rays leave a hit, for an engine that has the scene in `format`: on the triangle as that
+/// engine has it, its vertices scaled and rounded.
 ///
 /// No ray from `origin` to the side of `normal` meets its own triangle again, neither exactly nor
 /// by the engine's test: `geometry.cpp` derives the distance. Holds for triangles whose longest
 /// side is less than 2^(M-4) times their height.
 struct Departure {
-  glm::vec3 origin;  ///< numbers of `format`
+  glm::vec3 origin;  ///< numbers of the format, times 2^-scale
   glm::dvec3 normal;
 };
-[[nodiscard]] Departure departure(const Mesh& mesh, const Ray& ray, const Hit& hit, Format format);
+[[nodiscard]] Departure departure(const Mesh& mesh, const Ray& ray, const Hit& hit,
+                                  const ScaledFormat& format);
 
 }  // namespace ti

@@ -70,7 +70,7 @@ PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp, s
   return out;
 }
 
-std::vector<Ray> ao_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
+std::vector<Ray> ao_rays(const Mesh& mesh, const ScaledFormat& format, std::span<const Ray> rays,
                          std::span<const Hit> hits, int samples, float radius, std::uint64_t seed) {
   check_ray_count("ambient occlusion", hits_in(hits), static_cast<std::uint64_t>(samples));
   std::vector<Ray> out;
@@ -86,8 +86,9 @@ std::vector<Ray> ao_rays(const Mesh& mesh, Format format, std::span<const Ray> r
   return out;
 }
 
-std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
-                              std::span<const Hit> hits, std::uint64_t seed) {
+std::vector<Ray> diffuse_rays(const Mesh& mesh, const ScaledFormat& format,
+                              std::span<const Ray> rays, std::span<const Hit> hits,
+                              std::uint64_t seed) {
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i].is_hit()) continue;
@@ -97,8 +98,9 @@ std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format, std::span<const R
   return out;
 }
 
-std::vector<Ray> shadow_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
-                             std::span<const Hit> hits, std::span<const glm::vec3> lights) {
+std::vector<Ray> shadow_rays(const Mesh& mesh, const ScaledFormat& format,
+                             std::span<const Ray> rays, std::span<const Hit> hits,
+                             std::span<const glm::vec3> lights) {
   check_ray_count("shadows", hits_in(hits), lights.size());
   std::vector<Ray> out;
   for (std::size_t i = 0; i < hits.size(); ++i) {

@@ -21,21 +21,21 @@ struct PrimaryRays {
 [[nodiscard]] PrimaryRays primary_rays(const Camera& camera, int width, int height, int spp,
                                        std::uint64_t seed);
 
-/// Rays from hits start where `departure` says, for an engine of the number format `format`.
+/// Rays from hits start where `departure` says, for an engine that has the scene in `format`.
 
 /// Ambient occlusion: `samples` cosine-distributed any-hit rays of length `radius` from each hit;
 /// misses spawn none.
-[[nodiscard]] std::vector<Ray> ao_rays(const Mesh& mesh, Format format, std::span<const Ray> rays,
-                                       std::span<const Hit> hits, int samples, float radius,
-                                       std::uint64_t seed);
+[[nodiscard]] std::vector<Ray> ao_rays(const Mesh& mesh, const ScaledFormat& format,
+                                       std::span<const Ray> rays, std::span<const Hit> hits,
+                                       int samples, float radius, std::uint64_t seed);
 
 /// One cosine-distributed closest-hit ray from each hit.
-[[nodiscard]] std::vector<Ray> diffuse_rays(const Mesh& mesh, Format format,
+[[nodiscard]] std::vector<Ray> diffuse_rays(const Mesh& mesh, const ScaledFormat& format,
                                             std::span<const Ray> rays, std::span<const Hit> hits,
                                             std::uint64_t seed);
 
 /// One any-hit ray from each hit to each point light, with tmax just short of it.
-[[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, Format format,
+[[nodiscard]] std::vector<Ray> shadow_rays(const Mesh& mesh, const ScaledFormat& format,
                                            std::span<const Ray> rays, std::span<const Hit> hits,
                                            std::span<const glm::vec3> lights);
 

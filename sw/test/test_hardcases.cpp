@@ -8,11 +8,13 @@
 #include <fstream>
 #include <string>
 
+#include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "cli/hardcase_file.hpp"
 #include "cli/hardcases.hpp"
 #include "embree_devices.hpp"
 #include "reference_test.hpp"
+#include "scene/scaling.hpp"
 #include "truth/truth.hpp"
 
 namespace {
@@ -27,7 +29,9 @@ std::vector<HardCase> own_cases() {
 }
 
 Hit honest(const HardCase& c, Format format = kF32) {
-  return reference::Engine(c.mesh, format).trace(c.ray);
+  const int scale = scene_scale(largest_coordinate(c.mesh), format, TestKind::Local);
+  const Mesh mesh = scaled(c.mesh, {format, scale});
+  return scaled(reference::Engine(mesh, format).trace(scaled(c.ray, scale)), -scale);
 }
 
 constexpr const char* kGood =

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <random>
 #include <span>
 #include <string>
@@ -117,6 +118,12 @@ TEST_CASE("image: the sentence names the place and the cure") {
   CHECK(refusal(with_word(good, 16, 0x09011708)) ==
         "a.tiim: its triangle test is of kind 9, this tool reads 1 (local), 2 (np) and 3 (woop): "
         "build the image again by `make image`");
+  for (const int scale : {161, -161, std::numeric_limits<int>::min()}) {
+    CHECK(refusal(with_word(good, 56, static_cast<std::uint32_t>(scale))) ==
+          "a.tiim: scale " + std::to_string(scale) +
+              " at byte 56 is not from -160 to 160: the image is damaged, build it again");
+  }
+  CHECK(refusal(with_word(good, 56, static_cast<std::uint32_t>(-160))).empty());
   CHECK(refusal({}).find("has 0 bytes") != std::string::npos);
   CHECK(refusal(with_word(good, offsetof(ImageHeader, root), parts.node_count)).find("root") !=
         std::string::npos);

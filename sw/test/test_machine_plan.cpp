@@ -140,13 +140,15 @@ TEST_CASE("machine plan: memory counts for cold misses alone, where the caches h
   CHECK(decision(f, "timing of memory").on);
 }
 
-TEST_CASE("machine plan: rescaling, where products of coordinates exceed the format") {
+TEST_CASE("machine plan: rescaling is told where the image is scaled, and changes no hit") {
   MachineFacts f = facts();
   f.extent = 1e19;
   CHECK(!decision(f, "rescaling").on);
   CHECK(decision(f, "rescaling").bound.find("no hit") != std::string::npos);
-  f.extent = 2e19;
-  CHECK(decision(f, "rescaling").bound.find("lost") != std::string::npos);
+  f.scale = -27;
+  CHECK(decision(f, "rescaling").on);
+  CHECK(decision(f, "rescaling").reason.find("2^-27") != std::string::npos);
+  CHECK(decision(f, "rescaling").bound.find("no hit") != std::string::npos);
   CHECK(decision(f, "rescaling").set.empty());
 }
 

@@ -54,8 +54,8 @@ TEST_CASE("moved region: boxes are wider the fewer bits the format has") {
   const Scene after = scene_at({0, 0.5F, 0});
   const Change change = change_between(before, after);
   const Ray beside = ray({1.01F, 5, 0.5F}, {0, -1, 0});
-  CHECK(!MovedRegion(before.mesh, after.mesh, change, kReach, {8, 23}).met_by(beside));
-  CHECK(MovedRegion(before.mesh, after.mesh, change, kReach, {8, 13}).met_by(beside));
+  CHECK(!MovedRegion(before.mesh, after.mesh, change, kReach, Format{8, 23}).met_by(beside));
+  CHECK(MovedRegion(before.mesh, after.mesh, change, kReach, Format{8, 13}).met_by(beside));
 }
 
 TEST_CASE("moved region: rays along a side of a box, and rays that are out of range") {

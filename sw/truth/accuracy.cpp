@@ -253,16 +253,16 @@ std::vector<HitErrors> hit_errors(std::span<const Tracer* const> models, const E
 
 std::vector<HitErrors> secondary_errors(std::span<const Tracer* const> models,
                                         const ExactTracer& exact, const Mesh& mesh,
-                                        const Format& format, const AimedRays& rays,
+                                        const ScaledFormat& format, const AimedRays& rays,
                                         const MostRays& most, std::uint64_t seed) {
   const auto spawn = [&](const Tracer& model, std::uint64_t i) -> std::optional<Leaving> {
     Work before;
     const Ray ray = rays(i);
-    const Hit hit = hit_of(format, model.trace(ray, before));
+    const Hit hit = hit_of(format.numbers, model.trace(ray, before));
     if (!hit.is_hit()) return {};
     return Leaving{diffuse_rays(mesh, format, {&ray, 1}, {&hit, 1}, seed ^ i).front(), hit.prim};
   };
-  return errors_of(models, CrackJudge(exact, mesh, format), most, spawn);
+  return errors_of(models, CrackJudge(exact, mesh, format.numbers), most, spawn);
 }
 
 }  // namespace ti

@@ -100,10 +100,12 @@ struct MostRays {
                                                 const MostRays& most);
 
 /// The same for one cosine-distributed ray from each hit of those rays on the model itself, where
-/// `departure` has it begin.
+/// `departure` has it begin; mesh and rays are in the space of the engine, so the scale of `format`
+/// is 0.
 [[nodiscard]] std::vector<HitErrors> secondary_errors(std::span<const Tracer* const> models,
                                                       const ExactTracer& exact, const Mesh& mesh,
-                                                      const Format& format, const AimedRays& rays,
-                                                      const MostRays& most, std::uint64_t seed);
+                                                      const ScaledFormat& format,
+                                                      const AimedRays& rays, const MostRays& most,
+                                                      std::uint64_t seed);
 
 }  // namespace ti

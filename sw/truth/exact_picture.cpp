@@ -9,6 +9,7 @@
 #include "base/limits.hpp"
 #include "base/parallel.hpp"
 #include "scene/geometry.hpp"
+#include "scene/scaling.hpp"
 
 namespace ti {
 namespace {
@@ -53,12 +54,12 @@ glm::vec3 ExactPicture::shade(std::size_t pixel, std::int32_t prim, double t) co
   return glm::vec3(static_cast<float>(facing / (1.0 + away * away)));
 }
 
-std::optional<ShadedPicture> ExactPicture::of(const Tracer& model, const Format& format,
+std::optional<ShadedPicture> ExactPicture::of(const Tracer& model, const ScaledFormat& format,
                                               double most_work) const {
   const std::size_t stride = std::max<std::size_t>(1, rays_.size() / kSample);
   Work sampled;
   for (std::size_t i = stride / 2; i < rays_.size(); i += stride)
-    (void)model.trace(rays_[i], sampled);
+    (void)model.trace(scaled(rays_[i], format.scale), sampled);
   const double work = static_cast<double>(sampled.steps + sampled.a_tests);
   if (work * static_cast<double>(stride) > most_work) return {};
 
@@ -68,7 +69,8 @@ std::optional<ShadedPicture> ExactPicture::of(const Tracer& model, const Format&
   parallel_pieces(rays_.size(), kPiece, [&](std::size_t first, std::size_t last) {
     Work work;
     for (std::size_t i = first; i < last; ++i) {
-      const Hit hit = hit_of(format, model.trace(rays_[i], work));
+      const HitBits bits = model.trace(scaled(rays_[i], format.scale), work);
+      const Hit hit = scaled(hit_of(format.numbers, bits), -format.scale);
       const auto& prims = hits_[i].prims;
       const bool right =
           hit.is_hit() ? std::binary_search(prims.begin(), prims.end(), hit.prim) : !hits_[i].hit;

@@ -34,9 +34,9 @@ class ExactPicture {
 
   [[nodiscard]] const ShadedPicture& picture() const { return picture_; }
 
-  /// The picture of an engine, whose scene and rays are rounded to `format`; nothing where its
+  /// The picture of an engine, which has scene and rays in `format`; nothing where its
   /// steps and tests are more than `most_work`, judged by 64 pixels.
-  [[nodiscard]] std::optional<ShadedPicture> of(const Tracer& model, const Format& format,
+  [[nodiscard]] std::optional<ShadedPicture> of(const Tracer& model, const ScaledFormat& format,
                                                 double most_work = 1e18) const;
 
   /// Where points of the mesh stand in the picture, those that do, in pixels; `seen` where nothing

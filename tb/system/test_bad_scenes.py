@@ -109,7 +109,6 @@ BAD = {  # name of the file, its bytes, what the sentence must say
     "unknown-ending": ("a.stl", ply(), ["extension", ".gltf", ".ply.zst"]),
     "only-flat-triangles": ("a.ply", flat(6), ["none of its 6 triangles", "6 of zero area"]),
     "only-nan": ("a.ply", ply(NAN, [(0, 1, 2)]), ["none of its 1 triangles", "1 not finite"]),
-    "too-large-for-the-format": ("a.ply", ply(FAR, [(0, 1, 2)]), ["scale the mesh down"]),
 }
 BAD_SIDECARS = {
     "not-json": ('{"camera": ', ["line 1", "JSON"]),
@@ -156,6 +155,13 @@ def test_the_files_that_were_spoilt_are_good_when_whole(trace):
         ("b.ply.zst", zst(ply()), 2),
     ]:
         assert trace(name, data).good().report["triangles"] == triangles
+
+
+def test_coordinates_at_the_end_of_the_range_are_scaled(trace):
+    report = trace("a.ply", ply(FAR, [(0, 1, 2)])).good().report
+
+    assert report["range"]["scale"] == -118
+    assert report["range"]["dropped_overflow"] == 0
 
 
 def test_one_usable_triangle_among_flat_ones_is_enough(trace):
