@@ -76,6 +76,21 @@ def test_frames_are_those_of_all_tiles_and_new_trees_bit_for_bit(tiny, tmp_path,
         assert all(f["traced_tiles"] == 36 for f in everything["frames"])
 
 
+def test_frames_have_one_scale_which_is_that_of_all_they_reach(ti, tmp_path):
+    path = tmp_path / "rising.gltf"
+    moving_cornell(path, "short block", [0.0, 30.0, 0.0])
+    config = ti.with_keys(tmp_path, exp_bits=5, frac_bits=10, triangle_test="woop")
+    words = ["--size", "16x16", "--effects", "none+motion"]
+
+    def scale(name, *frames):
+        run = ti.render(tmp_path / name, path, *words, *frames, config=config).good()
+        return run.report["range"]["scale"]
+
+    assert scale("first", "--frames", "0", "--fps", FRAMES) == -2
+    assert scale("both", "--frames", "0:2", "--fps", FRAMES) == -2
+    assert scale("still") == 3
+
+
 def test_primary_rays_are_traced_where_the_block_was_and_is_alone(tiny, tmp_path, block):
     report, _ = render(tiny, tmp_path / "out", block, "--effects", "none+motion")
     second = report["frames"][1]

@@ -111,3 +111,22 @@ def test_an_array_of_another_shape_is_no_rays(module, ti):
         with pytest.raises(TypeError):
             engine.trace(array)
     assert len(engine.trace(np.zeros((0, 8), np.float32)).prims) == 0
+
+
+def test_an_engine_without_room_has_the_scene_scaled(module, ti, tmp_path):
+    rows = "v 0 0 0\nv 600 0 0\nv 600 500 0\nv 0 500 0\nf 1 2 3\nf 1 3 4\n"
+    (tmp_path / "wall.obj").write_text(rows)
+    scene = module.Scene(tmp_path / "wall.obj")
+    config = ti.with_keys(tmp_path, exp_bits=5, frac_bits=10, triangle_test="woop")
+    engine = module.Engine(scene, config, truth=True)
+    assert engine.format == (5, 10, "woop") and engine.scale == -7
+
+    rays = np.array([[300, 200, 400, 0, 0, 0, -1, np.inf]], np.float32)
+    wave = engine.trace(rays)
+    assert wave.good and abs(wave.hits[0, 0] - 400) < 1
+    assert wave.report["range"]["scale"] == -7
+    on = {"format": engine.format, "scale": engine.scale}
+    [ray] = scene.diffuse_rays(rays, wave.hits, wave.prims, **on)
+    assert ray[2] > 0 and engine.trace(ray[None]).prims[0] == -1
+    with pytest.raises(ValueError, match=r"scale=1000: .*Engine\.scale"):
+        scene.diffuse_rays(rays, wave.hits, wave.prims, format=engine.format, scale=1000)
