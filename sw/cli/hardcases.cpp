@@ -233,19 +233,6 @@ std::string why_absent(const HardCase& c, const HardCase& rounded, const Format&
   return "";
 }
 
-/// Whether the squares of the distances of the exact hit from the origin of the ray leave the range
-/// of the format, or lose bits at its lower end.
-bool leaves_range(const HardCase& c, const Format& format) {
-  double far = 0.0;
-  for (const std::int32_t id : c.exact_ids) {
-    for (const glm::vec3& p : c.mesh.corners(static_cast<std::size_t>(id))) {
-      for (int k = 0; k < 3; ++k) far = std::max(far, std::abs(double{p[k]} - double{c.ray.o[k]}));
-    }
-  }
-  return c.exact_hit && (std::isinf(round_to(format, far * far)) ||
-                         far * far < std::ldexp(format.least_normal(), format.frac_bits));
-}
-
 /// Other formats: by the rule on the rounded case, or by whatever the bounds of that format
 /// explain.
 CaseResult judge_rounded(const HardCase& c, const Hit& hit, const Format& format, TestKind test) {
@@ -270,9 +257,8 @@ CaseResult judge_rounded(const HardCase& c, const Hit& hit, const Format& format
     result.outcome = CaseOutcome::Absent;
     result.text += fmt::format(" ({})", result.absent);
   } else if (!result.pass()) {
-    const bool range = leaves_range(rounded, format);
-    result.outcome = range ? CaseOutcome::Range : CaseOutcome::Bound;
-    result.text += range ? ", products leave the range" : ", within the bounds";
+    result.outcome = CaseOutcome::Bound;
+    result.text += ", within the bounds";
   }
   return result;
 }

@@ -38,12 +38,11 @@ struct HardCase {
 enum class CaseOutcome : std::uint8_t {
   Pass,    ///< what exact arithmetic requires
   Bound,   ///< not that, but within the error bounds of the test in a format other than (8, 23)
-  Range,   ///< the same, of a triangle so far or near that products leave the range of the format
   Policy,  ///< by a choice of ours that `docs/hardcases.md` writes down
   Absent,  ///< the format cannot hold the case
   Fail,
 };
-constexpr std::array<const char*, 6> kOutcomeNames{"pass",   "bound", "range",
+constexpr std::array<const char*, 5> kOutcomeNames{"pass", "bound",
                                                    "policy", "n.a.",  "FAIL"};
 
 struct CaseResult {

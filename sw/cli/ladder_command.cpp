@@ -15,8 +15,7 @@ namespace {
 
 constexpr const char* kLegend =
     "pass: what exact arithmetic requires, t within the bound of the test. bound: not that, but "
-    "within the error bounds of the test in the format. range: the same, as products leave the "
-    "range of the format. policy: by a choice that "
+    "within the error bounds of the test in the format. policy: by a choice that "
     "docs/hardcases.md writes down. n.a.: the format cannot hold the case. FAIL: none of these.\n"
     "In (8,23) exact results are those of the file, in other formats those of the rounded case, "
     "by integers of any length.\n";

@@ -86,12 +86,9 @@ TEST_CASE("a case that a format cannot hold is absent, with the reason") {
     CHECK(got.outcome == CaseOutcome::Absent);
     return got.absent;
   };
-  CHECK(absent(20, {5, 10}) == "a corner overflows");
   CHECK(absent(49, {5, 10}) == "the ray overflows");
-  CHECK(absent(22, {5, 10}) == "a triangle loses its area");
-  CHECK(absent(21, {7, 16}) == "a constant of the test overflows");
+  CHECK(absent(47, {7, 16}) == "a triangle loses its area");
   CHECK(absent(51, {5, 10}) == "1/d overflows");
-  CHECK(result(20, {8, 20}, TestKind::Woop).outcome == CaseOutcome::Range);  // a miss
   CHECK(result(20, kF32, TestKind::Woop).outcome == CaseOutcome::Fail);
   CHECK(result(1, {7, 16}, TestKind::Local).outcome == CaseOutcome::Pass);
   CHECK(result(23, {7, 16}, TestKind::Local).outcome == CaseOutcome::Policy);
@@ -105,7 +102,7 @@ TEST_CASE("a miss of a plain triangle fails in every format") {
 }
 
 TEST_CASE("the table and the lines have a cell for each case and machine") {
-  const std::vector<HardCase> cases{own_case(1), own_case(23), own_case(20)};
+  const std::vector<HardCase> cases{own_case(1), own_case(23), own_case(49)};
   HardCase wrong = own_case(1);
   wrong.exact_hit = false;
   wrong.exact_ids.clear();
@@ -115,7 +112,7 @@ TEST_CASE("the table and the lines have a cell for each case and machine") {
   const std::string table = table_of(all, rungs, rows);
   CHECK(table.find("5,10 local | 8,23 local |") != std::string::npos);
   CHECK(std::count(table.begin(), table.end(), '\n') == 6 + 1 + 4);
-  CHECK(table.find("a corner overflows (1)") != std::string::npos);
+  CHECK(table.find("the ray overflows (1)") != std::string::npos);
   std::istringstream lines(lines_of(all, rungs, rows));
   std::vector<std::string> outcomes;
   for (std::string line; std::getline(lines, line);)

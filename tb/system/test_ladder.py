@@ -7,8 +7,6 @@ import pytest
 from agents.program import ROOT, SCENES, call, make
 
 CASES = SCENES / "hardcases.jsonl"
-# With `woop` products of coordinates of 1e20, 1e-20 and 1e-30 may leave the range (accuracy.md).
-FAR_FROM_ONE = {20, 21, 22}
 
 
 @pytest.fixture(scope="module")
@@ -29,30 +27,20 @@ def lines(run):
 
 
 def test_every_case_has_a_cell_for_each_format_and_test(ladder):
-    run = ladder("all", "--count", 0)
+    run = ladder("all", "--count", 0).good()
     cells = lines(run)
 
     numbers = [json.loads(line)["n"] for line in CASES.read_text().splitlines()]
     machines = {(cell["format"], cell["test"]) for cell in cells}
     assert len(machines) == 15 and len(cells) == 15 * len(numbers)
-    failed = {(c["case"], c["format"], c["test"]) for c in cells if c["outcome"] == "FAIL"}
-    assert run.status == (1 if failed else 0), run
-    assert failed <= {(n, "8,23", "woop") for n in FAR_FROM_ONE}
-    ranged = {c["case"] for c in cells if c["outcome"] == "range"}
-    assert ranged <= FAR_FROM_ONE
-    assert {c["test"] for c in cells if c["outcome"] == "range"} <= {"woop"}
+    assert not [c for c in cells if c["outcome"] == "FAIL"]
     for cell in cells:
         assert bool(cell["absent"]) == (cell["outcome"] == "n.a."), cell
-        assert cell["format"] != "8,23" or cell["outcome"] in ("pass", "policy", "FAIL"), cell
+        assert cell["format"] != "8,23" or cell["outcome"] in ("pass", "policy"), cell
     table = run.read("table.md").decode()
     assert f"| {'23':<3} | subnormal direction" in table
     assert table.count("\n| ") >= len(numbers) + 15
     assert run.stdout.startswith(table.split("\n")[0])
-
-
-def test_every_case_passes_with_the_tests_of_shevtsov(ladder):
-    run = ladder("shevtsov", "--formats", "8,23", "--tests", "np local", "--count", 0).good()
-    assert {cell["outcome"] for cell in lines(run)} == {"pass", "policy"}
 
 
 def test_a_wrong_expected_answer_fails(ladder, tmp_path):
