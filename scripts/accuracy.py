@@ -23,7 +23,6 @@ Usage: scripts/accuracy.py --ti FILE --config NAME --out FOLDER --scene FILE ...
 """
 
 import argparse
-import csv
 import json
 import math
 import subprocess
@@ -34,6 +33,7 @@ from pathlib import Path
 
 import accuracy_page
 import configure
+import points
 from config_schema import ConfigError
 from dask.distributed import Client, LocalCluster, as_completed
 
@@ -179,7 +179,7 @@ def sweep(arguments: argparse.Namespace, client: Client, done: dict, file: Path)
         point = {"scene": scene, "format": f"({fmt})", "test": test, "traversal": walk, **words}
         if arguments.rtl:
             point["rtl_rays"] = arguments.rtl
-        if json.dumps(point) not in done:
+        if points.key_of(point) not in done:
             todo.append((point, overrides, machine))
     print(f"{len(done)} points are there, {len(todo)} to do", flush=True)
     for point, overrides, machine in todo:
@@ -209,9 +209,7 @@ def sweep(arguments: argparse.Namespace, client: Client, done: dict, file: Path)
             f"SEED={arguments.seed}"
         )
         line = {"point": point, **found, **cost, "command": command}
-        with file.open("a") as out:
-            out.write(json.dumps(line) + "\n")
-        done[json.dumps(point)] = line
+        points.add(file, done, line)
         worst = max(k["cracks_per_million"]["rate"] for k in found["kinds"])
         print(f"[{number}/{len(todo)}] {name}: at most {worst:.0f} cracks in a million, "
               f"{found['seconds']:.1f} s", flush=True)  # fmt: skip
@@ -238,10 +236,7 @@ def write_csv(path: Path, lines: list[dict]) -> None:
                 "cycles_per_ray": line.get("rtl", {}).get("cycles_per_ray"),
                 "mrays_per_s": line.get("rtl", {}).get("mrays_per_s"),
             })  # fmt: skip
-    with path.open("w", newline="") as out:
-        table = csv.DictWriter(out, rows[0])
-        table.writeheader()
-        table.writerows(rows)
+    points.write_csv(path, rows)
 
 
 def write_table(path: Path, lines: list[dict]) -> None:
@@ -250,8 +245,7 @@ def write_table(path: Path, lines: list[dict]) -> None:
     names = [f"cracks, {kind}" for kind in kinds]
     names += ["missed, edges", "wrong, uniform", "t p99.9, uniform, ulp", "steps, uniform"]
     names += ["LUT", "DSP", "bytes a triangle", "cycles a ray", "Mrays/s"]
-    rows = [["scene", "format", "test", "walk", *names]]
-    rows.append(["---"] * 4 + ["---:"] * len(names))
+    rows = []
     for line in lines:
         point, of, rtl = line["point"], {k["rays"]: k for k in line["kinds"]}, line.get("rtl")
 
@@ -269,7 +263,7 @@ def write_table(path: Path, lines: list[dict]) -> None:
         row += [str(line["bytes"]["triangle"])]
         row += [f"{rtl['cycles_per_ray']:.2f}", f"{rtl['mrays_per_s']:.1f}"] if rtl else ["", ""]
         rows.append(row)
-    path.write_text("".join(f"| {' | '.join(row)} |\n" for row in rows))
+    points.write_table(path, ["scene", "format", "test", "walk"], names, rows)
 
 
 def parse_arguments() -> argparse.Namespace:
@@ -295,8 +289,7 @@ def main() -> int:
     try:
         arguments.out.mkdir(parents=True, exist_ok=True)
         file = arguments.out / "points.jsonl"
-        lines = [json.loads(x) for x in file.read_text().splitlines()] if file.exists() else []
-        done = {json.dumps(line["point"]): line for line in lines}
+        done = points.load(file)
         if arguments.scheduler:
             client = Client(arguments.scheduler)
         else:
@@ -306,7 +299,7 @@ def main() -> int:
             client = Client(cluster)
         with client:
             failed = sweep(arguments, client, done, file)
-    except (AccuracyError, ConfigError) as error:
+    except (AccuracyError, ConfigError, points.PointsError) as error:
         print(error, file=sys.stderr)
         return 2
     except OSError as error:
