@@ -39,6 +39,7 @@ TESTS ?=
 TRAVERSALS ?=
 RTL ?=
 SCHEDULER ?=
+RUNS ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -111,6 +112,7 @@ gallery_scenes = $(or $(value SCENES),cornell cornell_glass pavilion knot still_
 effects_scenes = $(or $(value SCENES),$(foreach s,cornell_box cornell_box_mirror cornell_box_sphere cornell_box_water sibenik crytek_sponza \
   bart_kitchen bart_museum bart_robots conference,$(if $(wildcard ../shared/scenes/$(s).ply.zst),$(s))) cornell knot $(gallery_names))
 accuracy_scenes = $(or $(value SCENES),$(closed_names))
+fidelity_scenes = $(or $(value SCENES),cornell knot)
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -185,6 +187,12 @@ accuracy: build/setup.stamp build/sw/ti $(call made,$(accuracy_scenes)) ## Wrong
 	  $(call opt,--tests,TESTS) $(call opt,--traversals,TRAVERSALS) $(call opt,--rays,RAYS) $(call opt,--seed,SEED) \
 	  --count $(or $(call opt,,N),$(if $(value QUICK),20000,100000)) $(call opt,--rtl,RTL) $(call opt,--scheduler,SCHEDULER) \
 	  --out $(call out,build/accuracy/sweep) --scene $(foreach s,$(accuracy_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')")
+
+fidelity: config sw $(call made,$(fidelity_scenes)) ## Error of Mrays/s of model, memories and samples beside the seconds they take, on one plot (SCENES="..." RAYS="primary ao diffuse" N="1/64 1/16 1/4" RUNS= SIZE= MEM="ideal fixed dram" CONFIG= SET= CORES= OUT=)
+	@python scripts/fidelity.py --config $(call q,CONFIG) $(call opt,--set,SET) $(call opt,--cores,CORES) \
+	  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--shares,N) $(call opt,--runs,RUNS) \
+	  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE)) $(memory) --out $(call out,build/fidelity/$(notdir $(config))) \
+	  --scene $(foreach s,$(fidelity_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')")
 
 ##@ Build
 engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)
@@ -296,5 +304,5 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase accuracy testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase accuracy fidelity testfloat engine config sw test sim waves operators synth mutants timing lint \
   effects-table second-opinion convergence format fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized
