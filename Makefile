@@ -40,6 +40,7 @@ TRAVERSALS ?=
 RTL ?=
 SCHEDULER ?=
 WAVES ?=
+RUNS ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -115,6 +116,7 @@ accuracy_scenes = $(or $(value SCENES),$(closed_names))
 # A scene there may be moved, icosphere@1e6: its name, and the rest.
 unmoved = $(foreach s,$(1),$(firstword $(subst @, ,$(s))))
 moved = $(if $(findstring @,$(1)),@$(lastword $(subst @, ,$(1))))
+fidelity_scenes = $(or $(value SCENES),cornell knot)
 convergence_scenes = $(or $(value SCENES),cornell cornell_glass pavilion still_life)
 # Hard cases run on both unless the user names one.
 case_engines := $(if $(filter file,$(origin ENGINE)),model rtl,$(ENGINE))
@@ -206,6 +208,12 @@ accuracy: build/setup.stamp build/sw/ti $(call made,$(call unmoved,$(accuracy_sc
 	  --size $(if $(filter file,$(origin SIZE)),$(if $(value QUICK),80x60,320x240),$(call q,SIZE)) $(call opt,--rtl,RTL) $(call opt,--scheduler,SCHEDULER) \
 	  --out $(call out,build/accuracy/sweep) \
 	  --scene $(foreach s,$(accuracy_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(call unmoved,$(s)))')"'$(subst ','\'',$(call moved,$(s)))')
+
+fidelity: config sw $(call made,$(fidelity_scenes)) ## Error of Mrays/s of model, memories and samples beside the seconds they take, on one plot (SCENES="..." RAYS="primary ao diffuse" N="1/64 1/16 1/4" RUNS= SIZE= MEM="ideal fixed dram" CONFIG= SET= CORES= OUT=)
+	@python scripts/fidelity.py --config $(call q,CONFIG) $(call opt,--set,SET) $(call opt,--cores,CORES) \
+	  $(if $(value RAYS),--rays $(foreach r,$(value RAYS),'$(subst ','\'',$(r))')) $(call opt,--shares,N) $(call opt,--runs,RUNS) \
+	  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE)) $(memory) --out $(call out,build/fidelity/$(notdir $(config))) \
+	  --scene $(foreach s,$(fidelity_scenes),"$$(scripts/scene.sh file '$(subst ','\'',$(s))')")
 
 ##@ Build
 engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The RTL of CONFIG= as a library that ti and Python load (SET= MEM=dram)
@@ -320,5 +328,5 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants timing lint \
   effects-table second-opinion convergence format certify fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -40,6 +40,7 @@ import accuracy_page
 import accuracy_pictures
 import accuracy_tables
 import configure
+import points
 from accuracy_costs import ROOT, AccuracyError, Costs, run
 from config_schema import ConfigError
 
@@ -115,9 +116,9 @@ def trace(words: list[str]) -> str:
 class Task:
     """Machines of a scene that one run of `ti` traces, and the folder that it writes to."""
 
-    def __init__(self, arguments: argparse.Namespace, scene: str, points: list[dict]):
+    def __init__(self, arguments: argparse.Namespace, scene: str, left: list[dict]):
         self.scene = scene
-        self.waiting = {tuple(point[k] for k in KEYS): point for point in points}
+        self.waiting = {tuple(point[k] for k in KEYS): point for point in left}
         self.overrides = {}
         self.machines = {}
         words = [str(arguments.ti), "accuracy"]
@@ -161,8 +162,7 @@ class Sweep:
     def __init__(self, arguments: argparse.Namespace):
         self.arguments = arguments
         self.file = arguments.out / "points.jsonl"
-        lines = self.file.read_text().splitlines() if self.file.exists() else []
-        self.done = {json.dumps(line["point"]): line for line in map(json.loads, lines)}
+        self.done = points.load(self.file)
         self.failed: list[str] = []
         self.number = self.todo = 0
         self.costs = Costs(arguments.out)
@@ -179,7 +179,7 @@ class Sweep:
         tasks = []
         for scene, group in product(dict.fromkeys(arguments.scene), groups):
             split_scene(scene)
-            points = []
+            left = []
             others = (arguments.tests.split(), arguments.traversals.split())
             for fmt, test, walk in product(group, *others):
                 point = {"scene": scene, "format": f"({fmt})", "test": test, "traversal": walk}
@@ -187,9 +187,9 @@ class Sweep:
                 if arguments.rtl:
                     point["rtl_rays"] = arguments.rtl
                 if json.dumps(point) not in self.done:
-                    points.append(point)
-            if points:
-                tasks.append(Task(arguments, scene, points))
+                    left.append(point)
+            if left:
+                tasks.append(Task(arguments, scene, left))
         arguments.out.mkdir(parents=True, exist_ok=True)
         for task in tasks:
             for key, machine in task.machines.items():
@@ -208,9 +208,7 @@ class Sweep:
             self.failed.append(f"{name}: {error}")
             print(f"{head}: FAILED, {error}", flush=True)
             return
-        with self.file.open("a") as out:
-            out.write(json.dumps(found) + "\n")
-        self.done[json.dumps(point)] = found
+        points.add(self.file, self.done, found)
         if "refused" in found:
             print(f"{head}: {found['refused']}", flush=True)
             return
@@ -303,7 +301,7 @@ def main() -> int:
         if tasks:
             with accuracy_cluster.client_of(arguments.scheduler) as client:
                 sweep.run(tasks, client)
-    except (AccuracyError, ConfigError) as error:
+    except (AccuracyError, ConfigError, points.PointsError) as error:
         print(error, file=sys.stderr)
         return 2
     except OSError as error:

@@ -54,7 +54,7 @@ class Parser(argparse.ArgumentParser):
     """Says one sentence of what is wrong."""
 
     def error(self, message: str) -> None:
-        raise BenchError(f"bench: {message}")
+        raise BenchError(f"{Path(self.prog).stem}: {message}")
 
 
 def parse_arguments(words: list[str]) -> argparse.Namespace:
@@ -84,22 +84,44 @@ def parse_arguments(words: list[str]) -> argparse.Namespace:
         raise BenchError(f"N={arguments.count}: give 1000 to 100000000 rays")
     if not 1 <= arguments.samples <= 4096:
         raise BenchError(f"--samples {arguments.samples}: give 1 to 4096")
-    try:
-        width, height = (int(word) for word in arguments.frame.split("x"))
-    except ValueError:
-        width = height = 0
-    if not (8 <= width <= 16384 and 8 <= height <= 16384):
-        raise BenchError(f"SIZE={arguments.frame}: give WIDTHxHEIGHT, each 8 to 16384")
-    arguments.frame = (width, height)
+    arguments.frame = frame_of(arguments.frame)
     return arguments
 
 
-def sample_tiles(tiles: int, wanted: int) -> np.ndarray:
+def frame_of(text: str) -> tuple[int, int]:
+    """Width and height."""
+    try:
+        width, height = (int(word) for word in text.split("x"))
+    except ValueError:
+        width = height = 0
+    if not (8 <= width <= 16384 and 8 <= height <= 16384):
+        raise BenchError(f"SIZE={text}: give WIDTHxHEIGHT, each 8 to 16384")
+    return width, height
+
+
+def sample_tiles(tiles: int, wanted: int, seed: int = SEED) -> np.ndarray:
     """`wanted` of the numbers of `tiles` tiles, evenly spread, each tile as likely as another."""
     if wanted >= tiles:
         return np.arange(tiles)
-    start = np.random.default_rng(SEED).uniform(0, tiles / wanted)
+    start = np.random.default_rng(seed).uniform(0, tiles / wanted)
     return np.minimum(tiles - 1, (start + np.arange(wanted) * (tiles / wanted)).astype(int))
+
+
+def places_of(tiles: np.ndarray, rays: int) -> np.ndarray:
+    """The numbers of the rays of tiles, of a frame of `rays` rays."""
+    return np.concatenate([np.arange(TILE * i, min(TILE * (i + 1), rays)) for i in tiles])
+
+
+def secondary_rays(
+    scene, finder, kind: str, rays: np.ndarray, found, tiles: np.ndarray, samples: int
+) -> np.ndarray:
+    """`samples` rays of a kind from each hit of tiles of a frame, all of it in `rays`, `found`."""
+    places = places_of(tiles, len(rays))
+    start = (rays[places], found.hits[places], found.prims[places], samples)
+    options = {"seed": SEED, "format": finder.format, "scale": finder.scale}
+    if kind == "ao":
+        return scene.ao_rays(*start, radius=AO_RADIUS * scene.diagonal, **options)
+    return scene.diffuse_rays(*start, **options)
 
 
 def rays_of(scene, finder, kind: str, arguments: argparse.Namespace) -> tuple[np.ndarray, bool]:
@@ -111,20 +133,14 @@ def rays_of(scene, finder, kind: str, arguments: argparse.Namespace) -> tuple[np
         if whole:
             return rays, True
         chosen = sample_tiles(tiles, math.ceil(arguments.count / TILE))
-        return np.concatenate([rays[TILE * i : TILE * (i + 1)] for i in chosen]), False
+        return rays[places_of(chosen, len(rays))], False
 
     # As many tiles as give enough hits, by the hit rate of the frame.
     found = finder.trace(rays)
     rate = max(1, (found.prims >= 0).sum()) / len(rays)
     wanted = math.ceil(arguments.count / (arguments.samples * TILE * rate))
     chosen = sample_tiles(tiles, wanted)
-    places = np.concatenate([np.arange(TILE * i, min(TILE * (i + 1), len(rays))) for i in chosen])
-    start = (rays[places], found.hits[places], found.prims[places], arguments.samples)
-    options = {"seed": SEED, "format": finder.format, "scale": finder.scale}
-    if kind == "ao":
-        secondary = scene.ao_rays(*start, radius=AO_RADIUS * scene.diagonal, **options)
-    else:
-        secondary = scene.diffuse_rays(*start, **options)
+    secondary = secondary_rays(scene, finder, kind, rays, found, chosen, arguments.samples)
     if len(secondary) < BATCHES:
         raise BenchError(f"{scene.name}: {kind} rays need hits, and camera rays have almost none")
     return secondary, wanted >= tiles

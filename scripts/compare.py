@@ -96,20 +96,26 @@ def bench_words(options: list[str]) -> argparse.Namespace:
     return bench.parse_arguments([*options, "--config", "-", "--library", "-", "--out", "-"])
 
 
-def measure(arguments: argparse.Namespace, options: list[str], variant: str) -> tuple[list, bool]:
-    """The cells of a variant, and whether all of their hits are right."""
+def build_engine(arguments: argparse.Namespace, variant: str, dram: bool) -> tuple[Path, Path]:
+    """A variant's `config.json` and the library of its RTL, which is built where it is new."""
     machine, overrides = machine_of(arguments, variant)
     make = ["make", "-s", "engine", f"CONFIG={arguments.config}", f"SET={' '.join(overrides)}"]
-    make.append("CORES=")  # it is in the overrides, and a `make` above hands its own down
-    if bench_words(options).mem == "dram":
-        make.append("MEM=dram")
+    # What is not in the overrides would come from a `make` above, which hands its own down.
+    make += ["CORES=", "MEM=dram" if dram else "MEM="]
     without = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
     if subprocess.run(make, cwd=ROOT, env=without).returncode != 0:
         raise CompareError(f"{variant or arguments.config}: the engine does not build")
+    folder = ROOT / BUILD
+    return folder / machine.folder / "config.json", folder / machine.engine / "libti_rtl.so"
+
+
+def measure(arguments: argparse.Namespace, options: list[str], variant: str) -> tuple[list, bool]:
+    """The cells of a variant, and whether all of their hits are right."""
+    dram = bench_words(options).mem == "dram"
+    config, library = build_engine(arguments, variant, dram)
     out = arguments.out / folder_of(variant)
     words = [sys.executable, ROOT / "scripts/bench.py", *options, "--out", out]
-    words += ["--config", ROOT / BUILD / machine.folder / "config.json"]
-    words += ["--library", ROOT / BUILD / machine.engine / "libti_rtl.so"]
+    words += ["--config", config, "--library", library]
     status = subprocess.run([str(word) for word in words]).returncode
     if status not in (0, 1):
         sys.exit(status)

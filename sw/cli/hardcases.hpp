@@ -42,8 +42,7 @@ enum class CaseOutcome : std::uint8_t {
   Absent,  ///< the format cannot hold the case
   Fail,
 };
-constexpr std::array<const char*, 5> kOutcomeNames{"pass", "bound",
-                                                   "policy", "n.a.",  "FAIL"};
+constexpr std::array<const char*, 5> kOutcomeNames{"pass", "bound", "policy", "n.a.", "FAIL"};
 
 struct CaseResult {
   CaseOutcome outcome = CaseOutcome::Fail;
