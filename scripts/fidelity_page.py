@@ -143,7 +143,8 @@ def time_of(seconds: float) -> str:
 def name_of(point: Point) -> str:
     """What a point is, in words."""
     if point.engine == MODEL:
-        return "the functional model's ceiling"
+        of = "" if point.share == 1 else f" of a sample of {point.share}"
+        return f"the functional model's ceiling{of}"
     part = "the whole frame" if point.share == 1 else f"a sample of {point.share} of the frame"
     return f"{part} with {MEMORIES[point.engine]}"
 
