@@ -31,9 +31,6 @@ logged() {
   stage "$1" scripts/logged.sh "$2" "test: $1" "${@:3}"
 }
 
-# Tests that run the same code for very many rays or numbers, which sanitizers make ten times as long.
-volumes="watertight:*,faults:*,restarts end*,*that it leaves*,modes: pass*,scale: scene*,the bounds hold*"
-
 beside() {
   if [[ -n "$part" ]]; then
     logged "C++ *$part*" build/sw/ti_tests.log build/sw/ti_tests -tc="*$part*"
@@ -43,7 +40,7 @@ beside() {
   logged "C++" build/sw/ti_tests.log build/sw/ti_tests
   logged "C++ FP against MPFR" build/sw/fp_volume.log build/sw/fp_volume --pairs 200000
   stage "build: sanitizers" make sanitized &&
-    logged "C++ with sanitizers" build/sanitize/ti_tests.log build/sanitize/ti_tests "-tce=$volumes"
+    logged "C++ with sanitizers" build/sanitize/ti_tests.log build/sanitize/ti_tests
   stage "mutants" make mutants TEST= QUICK=1
 }
 
@@ -54,7 +51,7 @@ done
 
 # A group of its own, to end with this script; told when it is done, so that the lines do not mix.
 set -m
-nice -n 5 bash -c "$(declare -f stage logged beside); volumes='$volumes'; part='$part' out='$out'; beside" \
+nice -n 5 bash -c "$(declare -f stage logged beside); part='$part' out='$out'; beside" \
   >"$out/beside.log" 2>&1 </dev/null &
 others=$!
 set +m

@@ -69,10 +69,11 @@ def test_rates_are_those_of_accuracy(ti, ladder, tmp_path):
     assert [(cell["rays"], cell["test"]) for cell in rates] == [
         (kind, test) for kind in ("edges", "far", "secondary") for test in ("local", "woop")
     ]
-    out = tmp_path / "counted.json"
+    out = tmp_path / "counted"
     call([ti.path, "accuracy", "--config", ti.config, "--scene", scene, "--count", 500,
-          "--rays", "edges far secondary", "--out", out]).good()  # fmt: skip
-    for rate, point in zip(rates[::2], json.loads(out.read_text())["points"], strict=True):
+          "--size", "40x30", "--rays", "edges far secondary", "--out", out]).good()  # fmt: skip
+    [counted] = [json.loads(line) for line in (out / "points.jsonl").read_text().splitlines()]
+    for rate, point in zip(rates[::2], counted["kinds"], strict=True):
         assert rate["traced"] == point["count"]
         for ours, theirs in (("missed", "missed"), ("wrong_triangle", "wrong_triangle")):
             assert rate[ours]["count"] == point[theirs]
