@@ -14,6 +14,7 @@
 #include "portable_random.hpp"
 #include "scene/geometry.hpp"
 #include "tree_walk.hpp"
+#include "volume.hpp"
 
 namespace ti {
 namespace {
@@ -147,7 +148,7 @@ void check_ends(std::size_t count) {
 }
 
 TEST_CASE("restarts end within the bound of the tree, for rays that are made to stall them") {
-  check_ends(1000);
+  check_ends(test::volume(1000));
 }
 
 TEST_CASE("restarts end: the same for ten million rays" * doctest::skip()) { check_ends(70000); }

@@ -19,13 +19,14 @@
 #include "scene/random.hpp"
 #include "scene/rays.hpp"
 #include "truth/exact.hpp"
+#include "volume.hpp"
 
 namespace {
 
 using namespace ti;
 
 constexpr std::size_t kTriangles = 40;
-constexpr std::size_t kRays = 20000;
+constexpr std::size_t kRays = test::volume(20000);
 
 /// Triangles of about `size`, tilted in all ways, with their centre at `middle`; `aspect` times as
 /// long as high, or any up to 10 for 0.

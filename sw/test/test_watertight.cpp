@@ -24,6 +24,7 @@
 #include "truth/exact_tracer.hpp"
 #include "truth/impl.hpp"
 #include "truth/truth.hpp"
+#include "volume.hpp"
 
 namespace ti {
 namespace {
@@ -82,10 +83,11 @@ TEST_CASE("watertight: no ray slips through a closed mesh, in any format, from n
       const ExactTracer exact(mesh, format);
       for (const Aim aim : kAims) {
         CAPTURE(kAimNames[static_cast<std::size_t>(aim)]);
-        const HitErrors errors =
-            hit_errors(only(*model), exact, mesh, format, AimedRays(mesh, aim, 7), 4000).front();
-        CHECK(errors.rays == 4000);
-        CHECK(errors.exact_hits > 2000);
+        const HitErrors errors = hit_errors(only(*model), exact, mesh, format,
+                                            AimedRays(mesh, aim, 7), test::volume(4000))
+                                     .front();
+        CHECK(errors.rays == test::volume(4000));
+        CHECK(errors.exact_hits > test::volume(2000));
         CHECK(errors.cracks == 0);
         CHECK(errors.failed == 0);
       }

@@ -61,7 +61,11 @@ BAD_SETTINGS = {  # command, options, words of the sentence
     "rays-0": ("trace", ["--rays", "random:0"], ["RAYS=random:0"]),
     "rays-word": ("trace", ["--rays", "ao:many"], ["RAYS=ao:many"]),
     "rays-unknown": ("trace", ["--rays", "caustic:10"], ["caustic:10", "random, inside, primary"]),
-    "rays-unknown-kind": ("trace", ["--rays", "reflection:10"], ["`reflection`", "ao, uniform, diffuse"]),
+    "rays-unknown-kind": (
+        "trace",
+        ["--rays", "reflection:10"],
+        ["`reflection`", "ao, uniform, diffuse"],
+    ),
     "rays-many": ("trace", ["--rays", "random:1000000000"], ["RAYS=random:1000000000", "67108864"]),
     "rays-too-many-digits": ("trace", ["--rays", "ao:99999999999999999999"], ["67108864"]),
     "rays-file": ("trace", ["--rays", "./reflection:10"], ["./reflection:10", "no such file"]),
