@@ -348,11 +348,11 @@ def formats_of(text: str) -> list[tuple[int, int]]:
         found = re.fullmatch(r"([3-8]),(\d+)", word)
         if not found or not 2 <= int(found[2]) <= 23:
             raise CertifyError(
-                f"--formats {word}: not E,M with E from 3 to 8 and M from 2 to 23, as in 8,23"
+                f"FORMATS={word}: not E,M with E from 3 to 8 and M from 2 to 23, as in 8,23"
             )
         pairs.append((int(found[1]), int(found[2])))
     if not pairs:
-        raise CertifyError("--formats: none is named; write them as in '8,23 7,16'")
+        raise CertifyError("FORMATS=: none is named; write them as in '8,23 7,16'")
     return pairs
 
 
