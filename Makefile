@@ -52,6 +52,7 @@ MAKEFLAGS += --no-print-directory
 export PATH := $(CURDIR)/build/venv/bin:$(PATH)
 export PYTHONPYCACHEPREFIX := $(CURDIR)/build/pycache
 export CCACHE_DIR ?= $(CURDIR)/build/ccache
+export CCACHE_SLOPPINESS := pch_defines,time_macros
 export OBJCACHE := ccache
 
 empty :=
@@ -314,9 +315,8 @@ build/sw/ti: build/setup.stamp FORCE
 	@$(call build_cpp,ti)
 build/sw/libti_sw.a: build/setup.stamp FORCE
 	@$(call build_cpp,ti_sw)
-# GCC brings its own sanitizers; clang's would be one more package.
 sanitized: build/setup.stamp
-	@scripts/build_cpp.sh build/sanitize ti_tests -DCMAKE_CXX_COMPILER=g++ -DTI_SANITIZE=ON
+	@scripts/build_cpp.sh build/sanitize ti_tests -DCMAKE_CXX_COMPILER=$(cxx) -DTI_SANITIZE=ON
 
 # Also when this folder has moved, since Python environments hold its path.
 build/setup.stamp: scripts/setup.sh scripts/repair_verilator.py scripts/apt-packages.txt requirements.txt \

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What doubles tell of a meeting is what integers find; a ray that reaches something by a limit is
-// one whose exact hit lies before it.
+// What doubles tell of a meeting is what integers find.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -11,7 +10,6 @@
 #include "reference_test.hpp"
 #include "scene/aimed_rays.hpp"
 #include "truth/exact.hpp"
-#include "truth/exact_tracer.hpp"
 
 namespace ti {
 namespace {
@@ -75,27 +73,6 @@ TEST_CASE("a ray in the plane, along an edge or through a corner is left to inte
   const Ray inside{.o = {0.25F, 0.25F, -2}, .d = {0, 0, 1}};
   CHECK(quick_meeting(inside, triangle).answer == Answer::Meets);
   CHECK(quick_meeting(inside, triangle).t == 2.0);
-}
-
-TEST_CASE("a ray reaches a limit exactly when its exact hit lies before it") {
-  const Mesh mesh = reference::sphere(2);
-  for (const Format& format : {Format{5, 10}, Format{8, 23}}) {
-    const ExactTracer exact(mesh, format);
-    for (const Aim aim : kAims) {
-      const AimedRays rays(mesh, aim, 13);
-      for (std::uint64_t i = 0; i < 200; ++i) {
-        const Ray ray = rays(i);
-        const auto hit = exact.trace(ray);
-        std::vector<std::uint32_t> near;
-        const double t = hit.hit ? hit.t : 1.0;
-        CHECK(exact.reaches(ray, 1.001 * t, near) == hit.hit);
-        CHECK(near.size() == (hit.hit ? 1 : 0));
-        CHECK(exact.reaches(ray, 1.001 * t, near) == hit.hit);  // now without a walk
-        CHECK(near.size() == (hit.hit ? 1 : 0));
-        CHECK_FALSE(exact.reaches(ray, 0.999 * t, near));
-      }
-    }
-  }
 }
 
 }  // namespace

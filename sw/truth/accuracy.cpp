@@ -5,14 +5,12 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <glm/geometric.hpp>
 #include <mutex>
 #include <optional>
-#include <utility>
 
 #include "base/parallel.hpp"
-#include "scene/geometry.hpp"
 #include "scene/rays.hpp"
+#include "truth/crack_judge.hpp"
 
 namespace ti {
 namespace {
@@ -26,11 +24,11 @@ double ulp_of(const Format& format, double value) {
   return std::ldexp(1.0, std::ilogb(size) - format.frac_bits);
 }
 
-/// A ray, its exact hit, and whether one that misses that slips through a crack.
+/// A ray, its exact hit, and when it was asked for the sheet that no engine may pass.
 struct ExactRay {
   Ray ray;
   ExactTracer::Hit hit;
-  std::optional<bool> crack;
+  std::optional<std::vector<std::int32_t>> sheet;
 };
 
 /// A ray of a model, and the triangle that it leaves, -1 for none.
@@ -50,8 +48,9 @@ void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const
   const HitBits hit = model.trace(ray, errors.work);
   errors.seconds += std::chrono::duration<double>(Clock::now() - begin).count();
   const auto look_for_crack = [&] {
-    if (!known.crack) known.crack = cracks.is_crack(ray, truth.t);
-    if (!*known.crack) return;
+    if (!known.sheet) known.sheet = cracks.sheet(ray, truth);
+    const std::vector<std::int32_t>& sheet = *known.sheet;
+    if (sheet.empty() || std::binary_search(sheet.begin(), sheet.end(), hit.prim)) return;
     ++errors.cracks;
     errors.crack_places.push_back({index, glm::dvec3(ray.o) + truth.t * glm::dvec3(ray.d)});
   };
@@ -92,9 +91,9 @@ void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const
 using RayOf = std::function<std::optional<Leaving>(const Tracer&, std::uint64_t)>;
 
 /// Adds the errors of each model for numbers [begin, end).
-void add_errors(std::span<const Tracer* const> models, const CrackJudge& cracks,
-                std::uint64_t begin, std::uint64_t end, const RayOf& ray_of,
-                std::vector<HitErrors>& sums) {
+void add_errors(std::span<const Tracer* const> models, const ExactTracer& exact,
+                const CrackJudge& cracks, std::uint64_t begin, std::uint64_t end,
+                const RayOf& ray_of, std::vector<HitErrors>& sums) {
   std::mutex mutex;
   parallel_pieces(end - begin, kPiece, [&](std::size_t first, std::size_t last) {
     std::vector<HitErrors> mine(models.size());
@@ -109,7 +108,7 @@ void add_errors(std::span<const Tracer* const> models, const CrackJudge& cracks,
           return other.ray.o == ray.o && other.ray.d == ray.d;
         });
         if (same == known.end()) {
-          known.push_back({ray, cracks.exact().trace(ray), {}});
+          known.push_back({ray, exact.trace(ray), {}});
           same = known.end() - 1;
         }
         judge(*models[m], cracks, *same, *leaving, i, mine[m]);
@@ -122,13 +121,14 @@ void add_errors(std::span<const Tracer* const> models, const CrackJudge& cracks,
 
 /// The errors of each model for the numbers of `most`: all of them, or as many as the work allows,
 /// judged by those before.
-std::vector<HitErrors> errors_of(std::span<const Tracer* const> models, const CrackJudge& cracks,
-                                 const MostRays& most, const RayOf& ray_of) {
+std::vector<HitErrors> errors_of(std::span<const Tracer* const> models, const ExactTracer& exact,
+                                 const CrackJudge& cracks, const MostRays& most,
+                                 const RayOf& ray_of) {
   std::vector<HitErrors> sums(models.size());
   std::uint64_t done = 0;
   std::uint64_t next = std::min(most.count, kFirstRays);
   while (next > 0) {
-    add_errors(models, cracks, done, done + next, ray_of, sums);
+    add_errors(models, exact, cracks, done, done + next, ray_of, sums);
     done += next;
     double work = 0.0;
     for (const HitErrors& sum : sums)
@@ -184,70 +184,11 @@ void HitErrors::sort() {
   sort_places();
 }
 
-CrackJudge::CrackJudge(const ExactTracer& exact, const Mesh& mesh, const Format& format)
-    : exact_(exact), format_(format) {
-  const Bounds bounds = bounds_of(mesh).value_or(Bounds{});
-  low_ = bounds.low;
-  high_ = bounds.high;
-  diagonal_ = bounds.diagonal();
-}
-
-double CrackJudge::farthest(const glm::dvec3& o) const {
-  double farthest = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    farthest =
-        std::max({farthest, std::abs(low_[axis] - o[axis]), std::abs(high_[axis] - o[axis])});
-  }
-  return farthest;
-}
-
-double CrackJudge::behind(const Ray& ray) const {
-  const double errors = 64.0 * format_.rounding_unit() * farthest(glm::dvec3(ray.o));
-  return std::max(1e-3 * diagonal_, errors) / glm::length(glm::dvec3(ray.d));
-}
-
-bool CrackJudge::is_crack(const Ray& ray, double t) const {
-  const glm::dvec3 o(ray.o);
-  const glm::dvec3 d = glm::normalize(glm::dvec3(ray.d));
-  const glm::dvec3 other = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 side = glm::normalize(glm::cross(d, other));
-  const glm::dvec3 up = glm::cross(d, side);
-  const double reach =
-      (8.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) * farthest(o);
-  const double limit = t + behind(ray);
-  const double grid = ulp_of(format_, std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}));
-  std::vector<std::uint32_t> near;
-  const auto all_hit = [&](int quarter) {
-    // The corners of polygons around the discs, so that no straight outline passes between them:
-    // those of slope s = i / quarter at half their angle, which no trigonometry rounds.
-    const double around = std::sqrt(1.0 + 1.0 / (quarter * quarter));
-    for (double distance = around * reach; distance > reach / 100.0; distance *= 0.5) {
-      for (int way = 0; way < 4 * quarter; ++way) {
-        const double s = static_cast<double>(way % quarter) / quarter;
-        double x = (1.0 - s * s) / (1.0 + s * s);
-        double y = 2.0 * s / (1.0 + s * s);
-        if (way / quarter % 2 != 0) x = -std::exchange(y, x);
-        if (way / quarter / 2 != 0) x = -x, y = -y;
-        const glm::dvec3 aside = distance * (x * side + y * up);
-        Ray moved = ray;
-        if (distance > grid || !(t > 0.0)) {
-          moved.o = glm::vec3(o + aside);
-        } else {
-          moved.d = glm::vec3(glm::dvec3(ray.d) + aside / t);
-        }
-        if (!exact_.reaches(moved, limit, near)) return false;
-      }
-    }
-    return true;
-  };
-  return all_hit(2) && all_hit(8);
-}
-
 std::vector<HitErrors> hit_errors(std::span<const Tracer* const> models, const ExactTracer& exact,
                                   const Mesh& mesh, const Format& format, const AimedRays& rays,
                                   const MostRays& most) {
   return errors_of(
-      models, CrackJudge(exact, mesh, format), most,
+      models, exact, CrackJudge(mesh, format), most,
       [&rays](const Tracer&, std::uint64_t i) { return std::optional(Leaving{rays(i), -1}); });
 }
 
@@ -262,7 +203,7 @@ std::vector<HitErrors> secondary_errors(std::span<const Tracer* const> models,
     if (!hit.is_hit()) return {};
     return Leaving{diffuse_rays(mesh, format, {&ray, 1}, {&hit, 1}, seed ^ i).front(), hit.prim};
   };
-  return errors_of(models, CrackJudge(exact, mesh, format.numbers), most, spawn);
+  return errors_of(models, exact, CrackJudge(mesh, format.numbers), most, spawn);
 }
 
 }  // namespace ti

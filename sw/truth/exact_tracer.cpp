@@ -79,8 +79,6 @@ struct ExactTracer::Impl {
   /// The exact t of a meeting.
   [[nodiscard]] const mpq_class& exact_t(const Ray& ray, std::uint32_t record,
                                          Meeting& meeting) const;
-  /// Whether the ray meets a triangle in its interval at a t of at most `limit`.
-  [[nodiscard]] bool meets_by(const Ray& ray, std::uint32_t record, double limit) const;
   /// The weights of the second and third corner where the ray meets a triangle.
   [[nodiscard]] glm::dvec2 weights(const Ray& ray, std::uint32_t record) const;
   /// Walks the ray from the box on; `visit` as in `PaddedKdTree::walk`. Nothing for a ray that
@@ -115,14 +113,6 @@ const mpq_class& ExactTracer::Impl::exact_t(const Ray& ray, std::uint32_t record
                                             Meeting& meeting) const {
   if (!meeting.exact) meeting = exactly(exact_meeting(ray, triangles[record])->t);
   return *meeting.exact;
-}
-
-bool ExactTracer::Impl::meets_by(const Ray& ray, std::uint32_t record, double limit) const {
-  auto met = meeting(ray, record);
-  if (!met) return false;
-  const Order place = order(*met, limit, limit);
-  if (place != Order::Open) return place == Order::Less;
-  return exact_t(ray, record, *met) <= mpq_class(limit);
 }
 
 glm::dvec2 ExactTracer::Impl::weights(const Ray& ray, std::uint32_t record) const {
@@ -198,26 +188,6 @@ ExactTracer::Hit ExactTracer::trace(const Ray& given) const {
     best.weights.push_back(impl_->weights(ray, record));
   }
   return best;
-}
-
-bool ExactTracer::reaches(const Ray& given, double limit, std::vector<std::uint32_t>& near) const {
-  const Ray ray = round_ray(given, impl_->format);
-  if (!valid_ray(ray, impl_->format)) return false;
-  for (const std::uint32_t record : near) {
-    if (impl_->meets_by(ray, record, limit)) return true;
-  }
-  bool found = false;
-  const F tmax = F::from_double(std::min(double{ray.tmax}, limit)).ulps_up(2);
-  impl_->walk(ray, tmax, [&](std::span<const std::uint32_t> leaf, F, F) {
-    for (const std::uint32_t record : leaf) {
-      if (!impl_->meets_by(ray, record, limit)) continue;
-      near.push_back(record);
-      found = true;
-      break;
-    }
-    return model::LeafEnd<F>{tmax, found};
-  });
-  return found;
 }
 
 }  // namespace ti

@@ -35,11 +35,6 @@ class ExactTracer {
   /// A ray that no engine traces (`valid_ray`) hits nothing.
   [[nodiscard]] Hit trace(const Ray& ray) const;
 
-  /// Whether the ray hits anything at a t of at most `limit`. Triangles of `near`, as this tracer
-  /// numbers them, are looked at first; the one that is hit is added. So rays that lie together
-  /// mostly need no walk.
-  [[nodiscard]] bool reaches(const Ray& ray, double limit, std::vector<std::uint32_t>& near) const;
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
