@@ -4,7 +4,7 @@
 import csv
 from pathlib import Path
 
-RATES = ("missed", "through", "cracks", "false_hits", "wrong_triangle", "self_hits")
+RATES = ("missed", "through", "cracks", "false_hits", "wrong_triangle", "self_hits", "failed")
 ERRORS = ("t_ulp", "u_ulp", "v_ulp")
 
 

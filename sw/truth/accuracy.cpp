@@ -55,8 +55,11 @@ void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const
     errors.crack_places.push_back({index, glm::dvec3(ray.o) + truth.t * glm::dvec3(ray.d)});
   };
   ++errors.rays;
-  if (hit.status != Status::Ok) ++errors.failed;
   if (truth.hit) ++errors.exact_hits;
+  if (hit.status != Status::Ok) {
+    ++errors.failed;
+    return;
+  }
   if (hit.prim < 0) {
     if (!truth.hit) return;
     ++errors.missed;

@@ -29,7 +29,7 @@ struct HitErrors {
   std::uint64_t false_hits = 0;  ///< the other way round
   std::uint64_t wrong = 0;      ///< another triangle than one of the least exact t, at any distance
   std::uint64_t self_hits = 0;  ///< of rays from a hit: of the triangle that they leave
-  std::uint64_t failed = 0;     ///< with a status that is not Ok
+  std::uint64_t failed = 0;     ///< with a status that is not Ok; in none of the others
   /// |t - exact t| in units in the last place of the exact t, of right hits of the first
   /// `kMostErrors` rays of a thread's share; ascending.
   std::vector<float> t_ulps;
