@@ -54,6 +54,7 @@ rtl/intersect/ti_ist1.sv
 rtl/intersect/ti_ist2.sv
 rtl/intersect/woop/ti_woop_pipe.sv
 rtl/intersect/woop/ti_woop_ist1.sv
+rtl/intersect/woop/ti_woop_level.sv
 rtl/intersect/woop/ti_woop_ist2.sv
 rtl/intersect/ti_ist1_choice.sv
 rtl/intersect/ti_intersect.sv

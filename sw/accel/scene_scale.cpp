@@ -17,27 +17,17 @@ int ceil_of(double x) { return static_cast<int>(std::ceil(x)); }
 /// Woop's test of a triangle that a ray hits. Places are below 2^a, so they differ by less than
 /// E = 2^(a+1) on each axis; the way z of a corner along the ray is below 2^k E for an origin that
 /// is 2^k times as far away. The shear is at most 1.
-/// - The weights of a hit have one sign. Their sum is det = |n . d / d_z|, the normal n being twice
-///   the area long. No component of n is above E^2, as a triangle fills at most half of a square,
-///   so det <= 3 E^2. Corners are seen within 2 E of the ray: products are at most 4 E^2, less than
-///   what follows.
-/// - The sum of weights times ways is at most 3 E^2 2^k E = 24 2^(3a+k), and twice that with its
-///   rounding for M of 8 or more. 48 2^(3a+k) < (2 - 2^-M) 2^bias where 3a + k <= bias - 5.
-/// - 1 / det is a normal number where 16 2^(2a) <= 2^(bias-1).
+/// - Corners are seen within 2 E of the ray: products are at most 4 E^2 and weights, differences of
+///   two, below 2^(2a+5), a number where 2a + 5 <= bias.
+/// - Weights are brought to [2, 4) (`model::level`), so det is in [2, 12) and has an inverse. The
+///   sum of weights times ways is at most 12 2^k E < 2^(a+k+5), a number where a + k <= bias - 4.
 /// - The smallest triangle has edges of e = 2^(a-1-M), a unit in the last place of the largest
-///   coordinates. Its weights add up to e^2, a normal number where e^2 >= 2^(1-bias).
-/// - Underflow takes eta from each weight times way, so eta / e^2 from the distance. That is at
-/// most
-///   e where e^3 >= eta.
+///   coordinates. Its weights add up to e^2 and keep their bits where e^2 >= 2^(1-bias).
 ScaleWindow woop_window(const Format& format) {
   const int bias = format.bias();
-  const int near = std::min(floor_of((bias - 5) / 3.0), floor_of((bias - 5) / 2.0));
-  const int far = floor_of((bias - 5 - kFar) / 3.0);
-  const double eta = std::log2(format.underflow_unit());
-  const double ulp = format.frac_bits + 1;
-  const int weights = ceil_of(ulp + (1 - bias) / 2.0);
-  const int ways = ceil_of(ulp + eta / 3.0);
-  const int low = std::min(near, std::max(weights, ways));
+  const int near = std::min(floor_of((bias - 5) / 2.0), bias - 4);
+  const int far = std::min(near, bias - 4 - kFar);
+  const int low = std::min(near, ceil_of(format.frac_bits + 1 + (1 - bias) / 2.0));
   return {low, std::max(low, far)};
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -62,13 +64,42 @@ template <class F>
   return edges;
 }
 
+/// The weights times the power of two that puts the largest into [2, 4). What is then below the
+/// least normal number is cut toward zero; three zeros, and weights with an infinity, stay as they
+/// are. So neither the sum of weights, its reciprocal nor a product with a way leaves the range of
+/// the format, however small or large the triangle is; and a mean of ways of
+/// the least number keeps its sign, which it would not with weights of 1, 1/2 and 1/2.
+///
+/// Bit-exact model of `ti_woop_level`.
+template <class F>
+[[nodiscard]] std::array<F, 3> level(const std::array<F, 3>& weight) {
+  std::array<double, 3> size{};
+  double largest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    size[k] = std::abs(double{weight[k].to_float()});
+    largest = std::max(largest, size[k]);
+  }
+  if (largest == 0.0 || std::isinf(largest)) return weight;
+  const int places = 1 - std::ilogb(largest);
+  const double normal = std::ldexp(1.0, 1 - F::kBias);
+  const double least = std::ldexp(normal, -F::kFracBits);
+  std::array<F, 3> out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    double value = std::ldexp(size[k], places);
+    if (value < normal) value = F::modes().flush ? 0.0 : std::floor(value / least) * least;
+    const F result = F::from_double(value);
+    out[k] = weight[k].signbit() ? -result : result;
+  }
+  return out;
+}
+
 /// Distance and barycentric coordinates; nothing when t is not finite or less than 0.
 ///
-/// Bit-exact model of `ti_woop_ist2`: t = ((U Az + V Bz) + W Cz) * r * sz with r = 1 / ((U + V) +
-/// W).
+/// Bit-exact model of `ti_woop_ist2`: with U, V, W brought to one size (`level`), t = ((U Az +
+/// V Bz) + W Cz) * r * sz with r = 1 / ((U + V) + W).
 template <class F>
 [[nodiscard]] std::optional<Candidate<F>> pass_c(const Edges<F>& edges, F sz) {
-  const auto& [a, b, c] = edges.weight;
+  const auto [a, b, c] = level(edges.weight);
   const F r = reciprocal((a + b) + c);
   const F t = (((a * edges.z[0] + b * edges.z[1]) + c * edges.z[2]) * r) * sz;
   if (!t.is_finite() || t < F{}) return std::nullopt;

@@ -104,8 +104,8 @@ TEST_CASE("scale: scenes of usual sizes stay as they are in formats with room") 
       CHECK(window.high >= 16);
     }
   }
-  CHECK(scale_window({5, 10}, TestKind::Woop).low == 3);
-  CHECK(scale_window({5, 10}, TestKind::Woop).high == 3);
+  CHECK(scale_window({5, 10}, TestKind::Woop).low == 4);
+  CHECK(scale_window({5, 10}, TestKind::Woop).high == 4);
 }
 
 /// The triangle in the cube of half side `m` whose edge functions are largest, and a ray to its
@@ -149,9 +149,9 @@ TEST_CASE("scale: the largest triangle is hit at the upper end of Woop's window,
   for (const Format& format : ladder()) {
     CAPTURE(name_of(format));
     const int high = scale_window(format, TestKind::Woop).high;
-    const double far = high > 3 ? 0x1p10 : 1.0;  // (5,10) has no room for more
+    const double far = high > 4 ? 0x1p10 : 0x1p7;  // (5,10) has no room for more
     CHECK(hits_widest(format, high, far));
-    CHECK_FALSE(hits_widest(format, high + (far > 1.0 ? 3 : 4), 2.0 * far));
+    if (!format.modes.toward_zero) CHECK_FALSE(hits_widest(format, high + 4, 2.0 * far));
   }
 }
 
@@ -172,8 +172,8 @@ TEST_CASE("scale: a triangle of a unit in the last place is hit at the lower end
     double off = 0.0;
     CHECK(tried(low, off));
     CHECK(off <= 4.0);
-    const bool below = tried(low - 6, off);
-    CHECK((!below || off > 4.0));
+    // Far below it all weights vanish.
+    CHECK_FALSE(tried(low - (format.frac_bits + 4) / 2, off));
   }
 }
 
@@ -229,7 +229,7 @@ TEST_CASE("scale: the Cornell box in hundreds of units keeps its hits at (5,10) 
     return std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.is_hit(); });
   };
   Session session(options_of(format, TestKind::Woop, true), scene);
-  CHECK(session.format().scale == -7);
+  CHECK(session.format().scale == -6);
   const Wave wave = session.trace(rays);
   REQUIRE(wave.truth);
   CHECK(wave.truth->unexplained == 0);
@@ -364,12 +364,12 @@ TEST_CASE("scale: an image has it in its file, and stands in for the tree of its
   RunOptions options = options_of({5, 10}, TestKind::Woop);
   const std::vector<Ray> rays = random_rays(scene.mesh, 500, 1);
   Session built(options, scene);
-  REQUIRE(built.format().scale == -8);
+  REQUIRE(built.format().scale == -7);
   const auto bytes = built.image().bytes();
   options.image = folder / "a.tiim";
   write_file(options.image, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   Session stored(options, scene);
-  CHECK(stored.format().scale == -8);
+  CHECK(stored.format().scale == -7);
   const Wave a = built.trace(rays);
   const Wave b = stored.trace(rays);
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -387,16 +387,16 @@ TEST_CASE("scale: the frames of an animation have one, of all that it reaches") 
   config.format = {5, 10};
   config.triangle_test = TriangleTest::kWoop;
   const BuildOptions options = build_options_of(config, largest_coordinate(reach));
-  CHECK(options.scale == -7);
+  CHECK(options.scale == -6);
   MovingTree tree(options, reach);
   Mesh other = mesh;
   for (glm::vec3& p : other.vertices) p.x -= 800.0F;
   for (const Mesh* frame : {&mesh, static_cast<const Mesh*>(&other), &mesh}) {
     BuildStats stats;
     const Image image = tree.next(*frame, false, stats);
-    CHECK(image.header().scale == -7);
-    CHECK(value_of_bits(config.format, image.header().box_lo[0]) < -7.0);
-    CHECK(value_of_bits(config.format, image.header().box_lo[0]) > -8.0);
+    CHECK(image.header().scale == -6);
+    CHECK(value_of_bits(config.format, image.header().box_lo[0]) < -14.0);
+    CHECK(value_of_bits(config.format, image.header().box_lo[0]) > -16.0);
   }
 }
 

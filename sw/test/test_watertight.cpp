@@ -113,6 +113,26 @@ TEST_CASE("watertight: what it is for: the tests with rounded constants have cra
   }
 }
 
+TEST_CASE("watertight: a triangle is hit though the inverse of its area is beyond the format") {
+  constexpr Format kShort{5, 10};
+  constexpr float kSmall = 0x1p-10F;  // det is 9 * 2^-20, its inverse above the largest number
+  const Mesh mesh{.vertices = {{-kSmall, -kSmall, 1},
+                               {2 * kSmall, -kSmall, 1},
+                               {-kSmall, 2 * kSmall, 1},
+                               {8, 8, 2},
+                               {8, 9, 2},
+                               {9, 8, 2}},
+                  .triangles = {{0, 1, 2}, {3, 4, 5}},
+                  .material = {}};
+  const Image image = image_of(mesh, kShort, TestKind::Woop);
+  Work work;
+  const Ray ray{.o = {0, 0, 0}, .d = {0, 0, 1}};
+  const Hit hit = hit_of(kShort, Tracer::create(image, padded())->trace(ray, work));
+  CHECK(hit.prim == 0);
+  CHECK(hit.t == 1.0F);
+  CHECK(std::abs(hit.u - 1.0 / 3.0) < 0x1p-10);
+}
+
 TEST_CASE("a thick ray: hits and leaves are the same for every depth of the stack") {
   const Mesh mesh = soup(2000, 0.1F, 4);
   for (const Format& format : {Format{5, 10}, Format{8, 23}}) {

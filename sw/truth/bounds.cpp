@@ -142,6 +142,20 @@ int largest_axis(const glm::vec3& d) {
   return z;
 }
 
+/// Times the power of two that brings the largest weight into [2, 4), where the engine may be one
+/// place off; it cuts what is then below the least normal number.
+void level(const BoundedOps& ops, std::array<Bounded, 3>& weight) {
+  double largest = 0.0;
+  for (const Bounded& w : weight) {
+    if (w.e == kInf) return;
+    largest = std::max(largest, std::abs(w.v));
+  }
+  if (largest == 0.0) return;
+  const int places = 1 - std::ilogb(largest);
+  for (Bounded& w : weight)
+    w = {std::ldexp(w.v, places), std::ldexp(w.e, places) + 4.0 * ops.eta()};
+}
+
 TestBand woop_band(const BoundedOps& ops, const Corners& corners, const Ray& ray) {
   const int iz = largest_axis(ray.d);
   const int ix = (iz + 1) % 3;
@@ -174,6 +188,7 @@ TestBand woop_band(const BoundedOps& ops, const Corners& corners, const Ray& ray
   TestBand band;
   band.possible = may_be[0] || may_be[1];
   if (!band.possible) return band;
+  level(ops, weight);
   const Bounded det = ops.add(ops.add(weight[0], weight[1]), weight[2]);
   const Bounded depth = ops.add(ops.add(ops.mul(weight[0], z[0]), ops.mul(weight[1], z[1])),
                                 ops.mul(weight[2], z[2]));

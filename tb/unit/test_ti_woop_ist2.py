@@ -10,17 +10,23 @@ from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
 from models.payload import payloads
 
-FORMATS = ["", "exp_bits=5 frac_bits=10"]
+FORMATS = ["", "exp_bits=5 frac_bits=10", "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush"]
 
 
 def candidates(rng, count):
-    """Weights of one sign, all 0 among them; ordinary values, then any bits at all."""
+    """Weights of one sign, all 0 among them: ordinary, of small triangles, and any bits."""
     n = numbers()
     for i in range(count):
         sign = rng.choice((1, -1))
         weight = tuple(n.of(sign * rng.choice((0, rng.uniform(0, 1)))) for _ in range(3))
         z, sz = n.vec(rng.uniform(-3, 9) for _ in range(3)), n.of(rng.uniform(-2, 2))
-        if i % 2:
+        if i % 3 == 1:
+            small = 2.0 ** -rng.randrange(n.bias - 3, n.bias + n.frac_bits)
+            weight = tuple(
+                n.of(sign * small * rng.choice((0, rng.uniform(0, 1), rng.uniform(0, 2**-9))))
+                for _ in range(3)
+            )
+        elif i % 3 == 2:
             weight, z, sz = n.any_vec(rng), n.any_vec(rng), n.any(rng)
         yield {
             "home": {"trv": rng.getrandbits(1), "slot": rng.getrandbits(3)},

@@ -6,13 +6,15 @@
 /// IST2 of Woop's triangle test: distance and barycentric coordinates of a test that is kept, on 4 ADD, 7 MUL and 1
 /// RCP.
 ///
+/// First the weights are brought to one size (`ti_woop_level`).
 /// det = (U + V) + W, depth = (U A.z + V B.z) + W C.z, r = 1 / det, t = (depth * r) * sz, u = V * r, v = W * r.
 /// Fixed latency inside, `Latency` cycles to the output queue; credits in front hold back what the queue could not
 /// take.  One candidate a cycle.  A t that is not finite or less than 0 makes the test a miss, so does a det of 0; a
 /// candidate that is one stays one.
 module ti_woop_ist2 #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
-  localparam int unsigned TimeSum = ti_fp_pkg::MulLatency,  // of the first sums
+  localparam int unsigned TimeLevel = 1,
+  localparam int unsigned TimeSum = TimeLevel + ti_fp_pkg::MulLatency,  // of the first sums
   localparam int unsigned TimeSum2 = TimeSum + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeRcp = TimeSum2 + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeScale = TimeRcp + RcpLatency,
@@ -62,10 +64,31 @@ module ti_woop_ist2 #(
     else if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
   end
 
+  ti_pkg::vec3_t weight, z;
+  logic level_valid;
+  ti_woop_level u_level (
+    .clk_i,
+    .valid_i (take),
+    .weight_i(candidate_data_i.edges.weight),
+    .level_o (weight)
+  );
+  ti_delay #(
+    .payload_t(ti_pkg::vec3_t),
+    .Cycles   (TimeLevel)
+  ) u_z (
+    .clk_i,
+    .rst_ni,
+    .data_i(candidate_data_i.edges.z),
+    .data_o(z)
+  );
+  always_ff @(`TI_CLK_RST) begin
+    if (!rst_ni) level_valid <= 1'b0;
+    else level_valid <= take;
+  end
+
   // Depth and det, side by side: the weights wait for the products.
-  ti_pkg::vec3_t weight, product, weight_sum;
+  ti_pkg::vec3_t product, weight_sum;
   logic [2:0] product_valid;
-  assign weight = candidate_data_i.edges.weight;
   for (genvar k = 0; k < 3; k++) begin : gen_product
     ti_fp_mul #(
       .ExpBits (E),
@@ -73,16 +96,16 @@ module ti_woop_ist2 #(
     ) u_product (
       .clk_i,
       .rst_ni,
-      .valid_i(take),
+      .valid_i(level_valid),
       .a_i(weight[k]),
-      .b_i(candidate_data_i.edges.z[k]),
+      .b_i(z[k]),
       .valid_o(product_valid[k]),
       .result_o(product[k])
     );
   end
   ti_delay #(
     .payload_t(ti_pkg::vec3_t),
-    .Cycles   (TimeSum)
+    .Cycles   (ti_fp_pkg::MulLatency)
   ) u_weight (
     .clk_i,
     .rst_ni,
