@@ -38,7 +38,7 @@ def latencies(keys: dict) -> dict[str, int]:
     add, mul = keys["fp_add_stages"], keys["fp_mul_stages"]
     rcp = configure.reciprocal_stages(keys)
     if keys["triangle_test"] == "woop":
-        passes, last = 3 * add + 2 * mul + 2, 3 * mul + 2 * add + rcp + 1
+        passes, last = 3 * add + 2 * mul + 2, 3 * mul + 2 * add + rcp + 2
     else:
         one = (5 if keys["triangle_test"] == "np" else 4) * add + 3 * mul + 2
         passes, last = 2 * one, rcp + mul + 1

@@ -3,13 +3,14 @@
 
 import cocotb
 import pytest
+from accuracy_costs import latencies
 from agents.bench import cycle, run, start
 from agents.events import Events
 from agents.stream import Sink, Source, stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.ist1_cases import finite_not_zero, pass_b_cases
 from models.numbers import hexed, numbers
-from models.payload import payloads
+from models.payload import configuration, payloads
 
 FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10"]
 
@@ -122,6 +123,8 @@ async def takes_latency_cycles_and_gives_one_a_cycle(dut):
 
     assert sent == list(range(sent[0], sent[0] + 100))
     assert came == [c + int(dut.Latency.value) for c in sent]
+    stated = latencies(configuration())  # in a sweep of accuracy
+    assert stated["hit"] - stated["test"] == int(dut.Latency.value)
     assert events.counts()["works"] == 100
 
 

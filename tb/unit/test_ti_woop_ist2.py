@@ -3,12 +3,13 @@
 
 import cocotb
 import pytest
+from accuracy_costs import latencies
 from agents.bench import cycle, run, start
 from agents.events import Events
 from agents.stream import Sink, Source, stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
-from models.payload import payloads
+from models.payload import configuration, payloads
 
 FORMATS = ["", "exp_bits=5 frac_bits=10", "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush"]
 
@@ -105,6 +106,8 @@ async def takes_and_gives_one_a_cycle_after_its_latency(dut):
 
     assert took == list(range(took[0], took[0] + len(beats)))
     assert came == [at + int(dut.Latency.value) for at in took]
+    stated = latencies(configuration())  # in a sweep of accuracy
+    assert stated["hit"] - stated["test"] == int(dut.Latency.value)
 
 
 @cocotb.test()
