@@ -29,7 +29,7 @@ MACHINES = {
 }
 SHARE = 50_000
 # Of SHARE rays of seed 1 with `local`, in the order of KINDS.
-CRACKS = {"8,23": [0, 1710, 138, 0, 2161, 0], "7,16": [0, 1275, 687, 0, 2356, 0]}
+CRACKS = {"8,23": [0, 1710, 138, 0, 2242, 0], "7,16": [0, 1376, 745, 0, 2675, 0]}
 COUNT = int(os.environ.get("N") or SHARE)
 ON_RTL = [("8,23", "local"), ("7,16", "woop")] if COUNT == SHARE else list(MACHINES)
 RTL_RAYS = 10_000
