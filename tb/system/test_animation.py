@@ -86,9 +86,9 @@ def test_frames_have_one_scale_which_is_that_of_all_they_reach(ti, tmp_path):
         run = ti.render(tmp_path / name, path, *words, *frames, config=config).good()
         return run.report["range"]["scale"]
 
-    assert scale("first", "--frames", "0", "--fps", FRAMES) == -2
-    assert scale("both", "--frames", "0:2", "--fps", FRAMES) == -2
-    assert scale("still") == 3
+    assert scale("first", "--frames", "0", "--fps", FRAMES) == -1
+    assert scale("both", "--frames", "0:2", "--fps", FRAMES) == -1
+    assert scale("still") == 4
 
 
 def test_primary_rays_are_traced_where_the_block_was_and_is_alone(tiny, tmp_path, block):

@@ -119,12 +119,12 @@ def test_an_engine_without_room_has_the_scene_scaled(module, ti, tmp_path):
     scene = module.Scene(tmp_path / "wall.obj")
     config = ti.with_keys(tmp_path, exp_bits=5, frac_bits=10, triangle_test="woop")
     engine = module.Engine(scene, config, truth=True)
-    assert engine.format == (5, 10, "woop") and engine.scale == -7
+    assert engine.format == (5, 10, "woop") and engine.scale == -6
 
     rays = np.array([[300, 200, 400, 0, 0, 0, -1, np.inf]], np.float32)
     wave = engine.trace(rays)
     assert wave.good and abs(wave.hits[0, 0] - 400) < 1
-    assert wave.report["range"]["scale"] == -7
+    assert wave.report["range"]["scale"] == -6
     on = {"format": engine.format, "scale": engine.scale}
     [ray] = scene.diffuse_rays(rays, wave.hits, wave.prims, **on)
     assert ray[2] > 0 and engine.trace(ray[None]).prims[0] == -1
