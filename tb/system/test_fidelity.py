@@ -93,6 +93,16 @@ def test_a_sweep_goes_on_where_it_was_cut_short(tiny, measured, tmp_path):
         assert lines[key]["cycles"] == line["cycles"]
 
 
+def test_an_engine_that_was_linked_with_dram_meanwhile_is_the_same_machine(
+    dram, measured, tmp_path
+):
+    del dram
+    make("engine", tmp_path / "engine", CONFIG="tiny", MEM="dram").good()
+    (tmp_path / "points.jsonl").write_text((measured / "points.jsonl").read_text())
+    run = make("fidelity", tmp_path, **WORDS).good()
+    assert "12 measurements are there, 0 to do" in run.stdout
+
+
 def test_another_frame_begins_anew(tiny, measured, tmp_path):
     (tmp_path / "points.jsonl").write_text((measured / "points.jsonl").read_text())
     run = make("fidelity", tmp_path, **(WORDS | {"SIZE": "32x32", "RUNS": 1})).good()
