@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Points of `make fidelity` are those of bench and model, go on, and stand on a whole page."""
 
+import argparse
 import csv
 import json
 import re
 import sys
 from fractions import Fraction
+from types import SimpleNamespace
 
 import pytest
 from agents.program import ROOT, SCENES, call, make
 
 sys.path.insert(0, str(ROOT / "scripts"))
+import fidelity
 import fidelity_page
 
 WORDS = {"CONFIG": "tiny", "SCENES": "cornell", "RAYS": "primary", "SIZE": "64x64"}
@@ -93,14 +96,22 @@ def test_a_sweep_goes_on_where_it_was_cut_short(tiny, measured, tmp_path):
         assert lines[key]["cycles"] == line["cycles"]
 
 
-def test_an_engine_that_was_linked_with_dram_meanwhile_is_the_same_machine(
-    dram, measured, tmp_path
-):
-    del dram
-    make("engine", tmp_path / "engine", CONFIG="tiny", MEM="dram").good()
-    (tmp_path / "points.jsonl").write_text((measured / "points.jsonl").read_text())
-    run = make("fidelity", tmp_path, **WORDS).good()
-    assert "12 measurements are there, 0 to do" in run.stdout
+def test_a_library_that_is_linked_with_dram_meanwhile_is_of_the_same_machine(tmp_path):
+    config, library = tmp_path / "config.json", tmp_path / "libti_rtl.so"
+    model = tmp_path / "verilated/libVti_engine.a"
+    model.parent.mkdir()
+    for file in (config, library, model):
+        file.write_text("1")
+    arguments = argparse.Namespace(
+        frame=(8, 8), mem=["fixed"], mem_latency=1, mem_bytes_per_cycle=1
+    )
+    module = SimpleNamespace(commit="1")
+    measurement = fidelity.Measurement(module, arguments, config, library)
+    heading = measurement.heading()
+    library.write_text("2")
+    assert measurement.heading() == heading
+    model.write_text("2")
+    assert measurement.heading() != heading
 
 
 def test_another_frame_begins_anew(tiny, measured, tmp_path):
