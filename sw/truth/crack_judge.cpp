@@ -71,8 +71,9 @@ void CrackJudge::join(const Mesh& mesh) {
     std::array<std::uint32_t, 3> bits{};
     for (int axis = 0; axis < 3; ++axis) {
       const auto k = static_cast<std::size_t>(axis);
-      bits[k] = round_to_bits(format_, double{mesh.vertices[i][axis]} + 0.0);  // no -0
+      bits[k] = round_to_bits(format_, double{mesh.vertices[i][axis]});
       rounded[i][axis] = value_of_bits(format_, bits[k]);
+      if (rounded[i][axis] == 0.0) bits[k] = 0;  // -0 is the same place
     }
     place[i] = places.try_emplace(bits, static_cast<std::uint32_t>(places.size())).first->second;
   }

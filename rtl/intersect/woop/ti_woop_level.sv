@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
-`include "ti_reset.svh"
-
 /// Brings the weights of a Woop test to one size: all times the power of two that puts the largest into [2, 4).
 ///
 /// So neither their sum, its reciprocal nor their products with ways leave the range of the format, however small or
-/// large the triangle is, and a mean of ways of the least number keeps its sign.  Latency 1 cycle, one triple a cycle.  What is then below the least normal number is cut to
-/// a subnormal, or to zero of its sign where the format flushes them; three zeros, and a triple with an infinity,
-/// stay as they are.
+/// large the triangle is, and a mean of ways of the least number keeps its sign.  What is then below the least normal
+/// number is cut to a subnormal, or to zero of its sign where the format flushes them; three zeros, and a triple with
+/// an infinity, stay as they are.  Latency 1 cycle, one triple a cycle.
 module ti_woop_level (
   input logic clk_i,
 
