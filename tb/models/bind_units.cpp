@@ -83,6 +83,13 @@ std::optional<std::tuple<Bits3, Bits3>> edge_functions(const Format& format,
   });
 }
 
+std::tuple<Bits, Bits, Bits> woop_level(const Format& format, const Bits3& weight) {
+  return in_format<UnitFormats>(format, [&]<typename F>() {
+    const auto w = model::level(vec<F>(weight));
+    return std::tuple{w[0].bits(), w[1].bits(), w[2].bits()};
+  });
+}
+
 std::optional<std::tuple<Bits, Bits, Bits>> woop_pass_c(const Format& format, const Bits3& weight,
                                                         const Bits3& z, Bits sz) {
   using Result = std::optional<std::tuple<Bits, Bits, Bits>>;
@@ -160,6 +167,8 @@ void bind_units(nb::module_& module) {
   module.def("edge_functions", &edge_functions, nb::arg("format"), nb::arg("corners"), nb::arg("o"),
              nb::arg("z"), nb::arg("shear"),
              "(weights, ways along z) of the corners, or None when the ray passes outside.");
+  module.def("woop_level", &woop_level, nb::arg("format"), nb::arg("weight"),
+             "The weights, the largest brought to [2, 4).");
   module.def("woop_pass_c", &woop_pass_c, nb::arg("format"), nb::arg("weight"), nb::arg("z"),
              nb::arg("sz"), "(t, u, v), or None when t is not finite or less than 0.");
   module.def("split_distance", &split_distance, nb::arg("format"), nb::arg("value"),

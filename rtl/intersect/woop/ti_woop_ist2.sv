@@ -68,8 +68,10 @@ module ti_woop_ist2 #(
   logic level_valid;
   ti_woop_level u_level (
     .clk_i,
+    .rst_ni,
     .valid_i (take),
     .weight_i(candidate_data_i.edges.weight),
+    .valid_o (level_valid),
     .level_o (weight)
   );
   ti_delay #(
@@ -81,10 +83,6 @@ module ti_woop_ist2 #(
     .data_i(candidate_data_i.edges.z),
     .data_o(z)
   );
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) level_valid <= 1'b0;
-    else level_valid <= take;
-  end
 
   // Depth and det, side by side: the weights wait for the products.
   ti_pkg::vec3_t product, weight_sum;

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_reset.svh"
+
 /// Brings the weights of a Woop test to one size: all times the power of two that puts the largest into [2, 4).
 ///
 /// So neither their sum, its reciprocal nor their products with ways leave the range of the format, however small or
 /// large the triangle is, and a mean of ways of the least number keeps its sign.  What is then below the least normal
 /// number is cut to a subnormal, or to zero of its sign where the format flushes them; three zeros, and a triple with
-/// an infinity, stay as they are.  Latency 1 cycle, one triple a cycle.
-module ti_woop_level (
+/// an infinity, stay as they are.  Latency `Latency` cycles, one triple a cycle, never stalls.
+module ti_woop_level #(
+  localparam int unsigned Latency = 1
+) (
   input logic clk_i,
+  input logic rst_ni,
 
-  input  logic          valid_i,
-  input  ti_pkg::vec3_t weight_i,  // no NaN
+  input logic          valid_i,
+  input ti_pkg::vec3_t weight_i, // no NaN
+
+  output logic          valid_o,
   output ti_pkg::vec3_t level_o
 );
 
@@ -18,6 +25,11 @@ module ti_woop_level (
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
   localparam int Bias = (1 << (E - 1)) - 1;
+
+  always_ff @(`TI_CLK_RST) begin
+    if (!rst_ni) valid_o <= 1'b0;
+    else valid_o <= valid_i;
+  end
 
   always_ff @(posedge clk_i) begin
     automatic logic [2:0][M:0] sig;  // with its leading bit
