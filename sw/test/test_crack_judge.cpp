@@ -46,7 +46,7 @@ Mesh grid(int cells) {
 std::vector<std::int32_t> sheet_of(const Mesh& mesh, const Ray& ray) {
   const ExactTracer::Hit hit = ExactTracer(mesh, kFormat).trace(ray);
   REQUIRE(hit.hit);
-  return CrackJudge(mesh, kFormat).sheet(ray, hit);
+  return CrackJudge(mesh, kFormat).sheet(ray, hit).triangles;
 }
 
 Ray down(float x, float y, float z = 1.0F) { return {.o = {x, y, z}, .d = {0, 0, -1}}; }
@@ -59,6 +59,18 @@ TEST_CASE("cracks: the sheet is of the triangles that come near the ray") {
   CHECK(sheet_of(mesh, down(0.5F, 0.5F)).size() == 6);                                 // a corner
   CHECK(sheet_of(mesh, down(0.5F + 0x1p-12F, 0.5F)).size() == 6);
   CHECK(sheet_of(mesh, down(0.5F + 0x1p-9F, 0.5F)).size() < 6);
+}
+
+TEST_CASE("cracks: of a sheet that a ray grazes it may hit what lies behind") {
+  // Near the ray are 0.375 to 0.625 of its way; from straight above no more than the plane.
+  const Mesh mesh = grid(8);
+  const auto end_of = [&mesh](const Ray& ray) {
+    return CrackJudge(mesh, kFormat).sheet(ray, ExactTracer(mesh, kFormat).trace(ray)).end;
+  };
+  const Ray grazing{.o = {0.0F, 0.4375F, 0x1p-8F}, .d = {1, 0, -0x1p-7F}};
+  CHECK(end_of(grazing) > 0.55);
+  CHECK(end_of(grazing) < 0.75);
+  CHECK(end_of(down(0.4375F, 0.4375F)) < 1.0 + 0x1p-8);
 }
 
 TEST_CASE("cracks: near the border of a mesh a ray may miss") {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -28,7 +29,7 @@ double ulp_of(const Format& format, double value) {
 struct ExactRay {
   Ray ray;
   ExactTracer::Hit hit;
-  std::optional<std::vector<std::int32_t>> sheet;
+  std::optional<CrackJudge::Sheet> sheet;
 };
 
 /// A ray of a model, and the triangle that it leaves, -1 for none.
@@ -47,10 +48,12 @@ void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const
   const auto begin = Clock::now();
   const HitBits hit = model.trace(ray, errors.work);
   errors.seconds += std::chrono::duration<double>(Clock::now() - begin).count();
-  const auto look_for_crack = [&] {
+  // Of an engine that hits nothing nearer than `t`.
+  const auto look_for_crack = [&](double t) {
     if (!known.sheet) known.sheet = cracks.sheet(ray, truth);
-    const std::vector<std::int32_t>& sheet = *known.sheet;
-    if (sheet.empty() || std::binary_search(sheet.begin(), sheet.end(), hit.prim)) return;
+    const std::vector<std::int32_t>& sheet = known.sheet->triangles;
+    if (sheet.empty() || t <= known.sheet->end + cracks.behind(ray)) return;
+    if (std::binary_search(sheet.begin(), sheet.end(), hit.prim)) return;
     ++errors.cracks;
     errors.crack_places.push_back({index, glm::dvec3(ray.o) + truth.t * glm::dvec3(ray.d)});
   };
@@ -63,7 +66,7 @@ void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const
   if (hit.prim < 0) {
     if (!truth.hit) return;
     ++errors.missed;
-    look_for_crack();
+    look_for_crack(std::numeric_limits<double>::infinity());
     return;
   }
   if (hit.prim == leaving.prim) ++errors.self_hits;
@@ -74,9 +77,10 @@ void judge(const Tracer& model, const CrackJudge& cracks, ExactRay& known, const
   const auto at = std::lower_bound(truth.prims.begin(), truth.prims.end(), hit.prim);
   if (at == truth.prims.end() || *at != hit.prim) {
     ++errors.wrong;
-    if (value_of_bits(format, hit.t) > truth.t + cracks.behind(ray)) {
+    const double t = value_of_bits(format, hit.t);
+    if (t > truth.t + cracks.behind(ray)) {
       ++errors.through;
-      look_for_crack();
+      look_for_crack(t);
     }
   } else if (errors.t_ulps.size() < kMostErrors) {
     const glm::dvec2 weights = truth.weights[static_cast<std::size_t>(at - truth.prims.begin())];

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "scene/geometry.hpp"
 #include "truth/impl.hpp"
@@ -39,18 +40,26 @@ double distance(const glm::dvec2& a, const glm::dvec2& b) {
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-/// A lower bound of the way along the ray to a triangle where it is within `reach` of the ray.
-double least_way(const View& view, const std::array<glm::dvec3, 3>& corners, double reach) {
+/// Bounds of the way along the ray to a triangle where it is within `reach` of the ray.
+struct Ways {
+  Ways(const View& view, const std::array<glm::dvec3, 3>& corners, double reach) {
+    for (const glm::dvec3& corner : corners) {
+      const double way = glm::dot(corner - view.o, view.d);
+      least = std::min(least, way);
+      most = std::max(most, way);
+    }
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const double facing = glm::dot(normal, view.d);
+    if (facing == 0.0) return;
+    const double middle = glm::dot(normal, corners[0] - view.o) / facing;
+    const double slope = glm::length(normal - facing * view.d) / std::abs(facing);
+    least = std::max(least, middle - slope * reach);
+    most = std::min(most, middle + slope * reach);
+  }
+
   double least = std::numeric_limits<double>::infinity();
-  for (const glm::dvec3& corner : corners)
-    least = std::min(least, glm::dot(corner - view.o, view.d));
-  const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-  const double facing = glm::dot(normal, view.d);
-  if (facing == 0.0) return least;
-  const double middle = glm::dot(normal, corners[0] - view.o) / facing;
-  const double slope = glm::length(normal - facing * view.d) / std::abs(facing);
-  return std::max(least, middle - slope * reach);
-}
+  double most = -std::numeric_limits<double>::infinity();
+};
 
 }  // namespace
 
@@ -133,35 +142,37 @@ double CrackJudge::behind(const Ray& ray) const {
   return std::max(1e-3 * diagonal_, errors) / glm::length(glm::dvec3(ray.d));
 }
 
-std::vector<std::int32_t> CrackJudge::sheet(const Ray& given, const ExactTracer::Hit& hit) const {
+CrackJudge::Sheet CrackJudge::sheet(const Ray& given, const ExactTracer::Hit& hit) const {
   const Ray ray = round_ray(given, format_);
   for (const std::int32_t prim : hit.prims) {
-    std::vector<std::int32_t> found = sheet_from(ray, prim);
-    if (!found.empty()) return found;
+    Sheet found = sheet_from(ray, prim);
+    if (!found.triangles.empty()) return found;
   }
   return {};
 }
 
-std::vector<std::int32_t> CrackJudge::sheet_from(const Ray& ray, std::int32_t first) const {
+CrackJudge::Sheet CrackJudge::sheet_from(const Ray& ray, std::int32_t first) const {
   const View view(ray);
   const double reach = (9.0 * format_.rounding_unit() + 2.0 * format_.reciprocal_unit()) *
                        farthest(glm::dvec3(ray.o));
   // t comes from ways along one axis, of which d has at least 1 / sqrt(3).
-  const double begin =
-      std::max(0.0, double{ray.tmin}) * glm::length(glm::dvec3(ray.d)) + 2.0 * reach;
+  const double length = glm::length(glm::dvec3(ray.d));
+  const double begin = std::max(0.0, double{ray.tmin}) * length + 2.0 * reach;
   struct Place {
     std::int32_t triangle;
     bool turned;  // against the first
   };
   std::vector<Place> open{{first, false}};
   std::vector<std::int32_t> found{first};  // ascending
-  double facing = 0.0;
+  double facing = 0.0, end = 0.0;
   while (!open.empty()) {
     const Place place = open.back();
     open.pop_back();
     const auto index = static_cast<std::size_t>(place.triangle);
     const std::array<glm::dvec3, 3>& corners = corners_[index];
-    if (least_way(view, corners, reach) < begin) return {};
+    const Ways ways(view, corners, reach);
+    if (ways.least < begin) return {};
+    end = std::max(end, ways.most);
     std::array<glm::dvec2, 3> seen;
     for (std::size_t k = 0; k < 3; ++k) seen[k] = view(corners[k]);
     const double area = (place.turned ? -1.0 : 1.0) * cross(seen[1] - seen[0], seen[2] - seen[0]);
@@ -177,7 +188,8 @@ std::vector<std::int32_t> CrackJudge::sheet_from(const Ray& ray, std::int32_t fi
       open.push_back({next.triangle, place.turned == next.same_turn});
     }
   }
-  return facing == 0.0 ? std::vector<std::int32_t>{} : found;
+  if (facing == 0.0) return {};
+  return {std::move(found), (end + 2.0 * reach) / length};
 }
 
 }  // namespace ti

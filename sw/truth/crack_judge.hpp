@@ -21,8 +21,9 @@ namespace ti {
 /// let all face the ray from the same side. Where no edge within r is the end of that sheet, the
 /// border of the mesh or an edge behind which the mesh turns away, the winding number of the sheet
 /// about the ray is not 0 and stays as corners move by less than r: some triangle of it must be
-/// hit. An engine that hits none of them has a crack. Where an edge within r is such an end, the
-/// ray may pass beside it.
+/// hit. An engine that hits none of them, and nothing before the sheet ends on the ray, has a
+/// crack: of a triangle that the ray grazes t may be off by all of its length within r. Where an
+/// edge within r is such an end, the ray may pass beside it.
 ///
 /// r is (9 u + 2 q) A, u the error of an operation, q of a reciprocal and A the distance of the
 /// farthest corner of the box of the mesh from the origin of the ray: sqrt(2) times what a corner
@@ -36,10 +37,15 @@ class CrackJudge {
   /// thousandth of the diagonal of the mesh, or 64 u A.
   [[nodiscard]] double behind(const Ray& ray) const;
 
-  /// The triangles, ascending, of which an engine must hit one, as it has the exact `hit` or one
-  /// that is moved; none where it may hit nothing: at an outline, at the border of the mesh, or
-  /// where the sheet may come to lie before tmin.
-  [[nodiscard]] std::vector<std::int32_t> sheet(const Ray& ray, const ExactTracer::Hit& hit) const;
+  /// Triangles of which an engine must hit one, and the greatest t at which they may be met.
+  struct Sheet {
+    std::vector<std::int32_t> triangles;  ///< ascending
+    double end = 0.0;
+  };
+
+  /// The sheet around the exact `hit`; without triangles where an engine may hit nothing: at an
+  /// outline, at the border of the mesh, or where the sheet may come to lie before tmin.
+  [[nodiscard]] Sheet sheet(const Ray& ray, const ExactTracer::Hit& hit) const;
 
   [[nodiscard]] const Format& format() const { return format_; }
 
@@ -54,7 +60,7 @@ class CrackJudge {
 
   void join(const Mesh& mesh);
   [[nodiscard]] double farthest(const glm::dvec3& o) const;
-  [[nodiscard]] std::vector<std::int32_t> sheet_from(const Ray& ray, std::int32_t first) const;
+  [[nodiscard]] Sheet sheet_from(const Ray& ray, std::int32_t first) const;
 
   Format format_;
   std::vector<std::array<glm::dvec3, 3>> corners_;  ///< of each triangle
