@@ -120,12 +120,12 @@ class Area(Synthesis):
         """Number of each unit and what `stat` says of one, on a part."""
         commands, counts = self.hierarchy(top)
         if part in cells.FPGAS:
-            commands.append(f"{cells.FPGAS[part].command} -noflatten -top {top}")
+            commands.append(f"{cells.FPGAS[part].command} -top {top}")
             stat = "stat -json"
         else:
             liberty, steps = silicon.library(part, self.work)
-            commands += [f"synth -noflatten -top {top} -run begin:fine", *CUT_RAMS]
-            commands += [f"synth -noflatten -top {top} -run fine:check", *steps]
+            commands += [f"synth -top {top} -run begin:fine", *CUT_RAMS]
+            commands += [f"synth -top {top} -run fine:check", *steps]
             stat = f"stat -json -liberty {liberty}"
         stat = f"tee -q -o {{out}} {stat}"
         found = self.result(f"{top}.{part}", f"{top}.{part}.json", *commands, stat)["modules"]
@@ -173,6 +173,19 @@ def print_part(top: str, part: str, result: dict) -> None:
         print(f"{'all':26}" + "".join(f"{result[c]:17,.10g}" for c in columns))
 
 
+def beside_published(design: Area, result: dict) -> dict[str, float]:
+    """Prints the engine beside the published core; gate equivalents of its operators."""
+    gates = {
+        name: measure(design, module, "osu018")["gate_equivalents"]
+        for module, name in operators.OPERATORS.items()
+    }
+    slang, root = operators.elaborate(design.packages[0], design.rtl)
+    bits = operators.summary(operators.measure(root))["total"]["bits"]
+    del slang
+    silicon.print_published(result, gates, bits)
+    return gates
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Measure what the arguments say and print the tables as they come."""
     design = Area(arguments.config, arguments.rtl)
@@ -199,7 +212,9 @@ def run(arguments: argparse.Namespace) -> int:
             print_part(unit, part, result)
             if part == "osu018":
                 result |= silicon.at_65_nm(result, memories)
-                silicon.print_65_nm(result, unit)
+                silicon.print_65_nm(result)
+                if unit == "ti_engine":
+                    result["operators"] = beside_published(design, result)
             results[unit][part] = result
             compared.setdefault(part, {})[unit] = {**result, "ram_bits": found}
             sys.stdout.flush()

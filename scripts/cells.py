@@ -42,7 +42,7 @@ FPGAS = {
     "xc7": Family("Xilinx 7 series", "synth_xilinx -family xc7 -noiopad -noclkbuf", XILINX),
     "ecp5": Family(
         "Lattice ECP5",
-        "synth_ecp5",
+        "synth_ecp5 -noflatten",
         (
             (r"LUT4", "LUT", 1),
             (r"CCU2C", "LUT", 2),
@@ -56,7 +56,7 @@ FPGAS = {
     ),
     "gowin": Family(
         "Gowin GW2A",
-        "synth_gowin -family gw2a -noiopads",
+        "synth_gowin -family gw2a -noiopads -noflatten",
         (
             (r"LUT[1-4]|ALU|INV", "LUT", 1),
             (r"DFFN?[SRPC]?E?", "FF", 1),

@@ -15,8 +15,9 @@ class Netlist:
         self._module = module
         self._names: dict[int, tuple] = {}
         for name, net in module["netnames"].items():
-            # Names of the RTL before those of Yosys, then the shortest.
-            rank = (net["hide_name"], bool(re.search(r"_[A-Z]\w*_[A-Z]\d?(_|$)", name)), len(name))
+            # Names of the RTL before those of the harness and of Yosys, then the shortest.
+            made = name.startswith("harness_") or bool(re.search(r"_[A-Z]\w*_[A-Z]\d?(_|$)", name))
+            rank = (net["hide_name"], made, len(name))
             for index, bit in enumerate(net["bits"]):
                 text = name if len(net["bits"]) == 1 else f"{name}[{index}]"
                 if bit not in self._names or (*rank, text) < self._names[bit]:

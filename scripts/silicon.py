@@ -5,12 +5,11 @@ Every factor is in `factors()` and goes into the JSON.  docs/synthesis.md says w
 and how far such an estimate can be off.
 """
 
-import json
 import re
 import subprocess
 from pathlib import Path
 
-from operators import PAPER_KB, PAPER_MM2
+from operators import PAPER_KB, PAPER_MM2, REGISTER_FILES
 from synthesis import LIBERTY, NAND2_UM2, ROOT, MeasureError, memory_bits, rams
 
 LIBRARIES = {"osu018": "OSU cells, 0.18 um rules", "sky130": "sky130_fd_sc_hd, 130 nm"}
@@ -18,7 +17,7 @@ GATE_UM2_65 = 1.44  # NAND2 of a common 65 nm library of 9 tracks
 UTILISATION = 0.75  # share of the placed area that is cells
 SKY130 = ROOT / "build/sky130/sky130/src/sky130_fd_sc_hd/cells"
 CACTI = ROOT / "build/cacti/hwcomponents_cacti/cacti"
-LEAST_BYTES, LEAST_WORDS = 512, 16  # of a memory that CACTI can lay out
+MACRO_BYTES = 8  # width of a macro of SRAM at most
 PAPER_WIRING_MM2 = 4.95  # of the published core
 ABC_SIZED = (
     "strash; ifraig; scorr; dc2; dch -f; map -B 0.9 -D 4000; topo; "
@@ -59,8 +58,7 @@ def factors() -> dict:
         "nand2_um2_65nm": GATE_UM2_65,
         "utilisation": UTILISATION,
         "sram": "CACTI 7, 65 nm, itrs-hp, one read and one write port, ram",
-        "sram_least_bytes": LEAST_BYTES,
-        "sram_least_words": LEAST_WORDS,
+        "sram_macro_bytes": MACRO_BYTES,
         "published_core_mm2": PAPER_MM2["core"],
         "published_wiring_mm2": PAPER_WIRING_MM2,
     }
@@ -141,19 +139,28 @@ def columns(part: str, stat: dict) -> dict[str, float]:
 def sram_mm2(words: int, bits: int, kept: dict) -> float:
     """mm2 of one memory with a read and a write port at 65 nm, by CACTI.
 
-    CACTI lays out whole bytes and nothing small: a smaller memory has its share of the bits of the
-    least one of as wide a word.
+    The word is cut into macros of MACRO_BYTES and a narrower one, in whole bytes.  What CACTI finds
+    too small counts as the next power of two of words that it can lay out.
     """
-    width = -(-bits // 8)
-    rows = max(words, LEAST_WORDS, -(-LEAST_BYTES // width))
-    rows = 1 << (rows - 1).bit_length()
-    if (width, rows) not in kept:
-        kept[(width, rows)] = cacti(width, rows)
-    return kept[(width, rows)] * (words * bits) / (rows * width * 8)
+    wide, rest = divmod(-(-bits // 8), MACRO_BYTES)
+    area = 0.0
+    for width, count in ((MACRO_BYTES, wide), (rest, 1)):
+        if not width or not count:
+            continue
+        if (width, words) not in kept:
+            rows, found = words, cacti(width, words)
+            while found is None and rows < 1 << 16:
+                rows = 1 << rows.bit_length()
+                found = cacti(width, rows)
+            if found is None:
+                raise MeasureError(f"CACTI gives no area for {words} words of {width} bytes")
+            kept[(width, words)] = found
+        area += count * kept[(width, words)]
+    return area
 
 
-def cacti(width: int, rows: int) -> float:
-    """mm2 of a memory of `rows` words of `width` bytes."""
+def cacti(width: int, rows: int) -> float | None:
+    """mm2 of a memory of `rows` words of `width` bytes, if CACTI can lay it out."""
     words = {
         "size (bytes)": width * rows,
         "block size (bytes)": width,
@@ -188,48 +195,61 @@ def cacti(width: int, rows: int) -> float:
         check=False,
     )
     size = re.search(r"Cache height x width \(mm\): +([\d.]+) x ([\d.]+)", done.stdout)
-    if not size:
-        raise MeasureError(f"CACTI gives no area for {rows} words of {width} bytes: {config}")
-    return float(size[1]) * float(size[2])
+    config.unlink()
+    return float(size[1]) * float(size[2]) if size else None
 
 
 def at_65_nm(result: dict, memories: list[dict]) -> dict:
-    """mm2 of logic and SRAM."""
+    """mm2 of logic and of SRAM; lines of caches apart from other SRAM."""
     kept: dict = {}
-    rows = rams(memories)
-    sram = sum(sram_mm2(r["words"], r["bits"], kept) * r["count"] for r in rows)
+    sram = {"lines": 0.0, "others": 0.0}
+    for row in rams(memories):
+        what = "lines" if row["name"].endswith("u_lines.mem_q") else "others"
+        sram[what] += sram_mm2(row["words"], row["bits"], kept) * row["count"]
     cells = result["gate_equivalents"] * GATE_UM2_65 / 1e6
     return {
         "cells_mm2": cells,
         "logic_mm2": cells / UTILISATION,
-        "sram_mm2": sram,
-        "sram_kb": memory_bits(rows) / 8192,
-        "mm2_65nm": cells / UTILISATION + sram,
+        "sram_mm2": sum(sram.values()),
+        "sram_lines_mm2": sram["lines"],
+        "sram_kb": memory_bits(rams(memories)) / 8192,
+        "mm2_65nm": cells / UTILISATION + sum(sram.values()),
         "sram_macros": {f"{w} B x {n}": mm2 for (w, n), mm2 in sorted(kept.items())},
     }
 
 
-def print_65_nm(result: dict, top: str) -> None:
-    """Area at 65 nm with its factors; of an engine beside the published core."""
+def print_65_nm(result: dict) -> None:
+    """Area at 65 nm with its factors."""
     print(
         f"\n65 nm: {result['gate_equivalents']:,.0f} gates x {GATE_UM2_65} um2 / {UTILISATION} = "
         f"{result['logic_mm2']:.4f} mm2 of logic; {result['sram_kb']:.1f} KB of SRAM = "
         f"{result['sram_mm2']:.4f} mm2 by CACTI; {result['mm2_65nm']:.4f} mm2 in all"
     )
-    if top != "ti_engine":
-        return
-    wired = PAPER_MM2["core"]
-    memory = ", ".join(f"{kb} KB {name}" for name, kb in PAPER_KB.items())
-    print(
-        f"published core at 65 nm: {wired} mm2, wiring {PAPER_WIRING_MM2} of it, "
-        f"{wired - PAPER_WIRING_MM2:.2f} without; {memory}; "
-        + ", ".join(f"{name} {PAPER_MM2[name]}" for name in ("ADD", "MUL", "RCP", "CMP"))
-        + " mm2 an operator"
-    )
 
 
-def published_operators(each: dict[str, float]) -> str:
-    """Ours beside the published operator; `each` has gate equivalents by heading."""
-    return json.dumps(
-        {name: [gates * GATE_UM2_65 / 1e6, PAPER_MM2[name]] for name, gates in each.items()}
-    )
+def print_published(result: dict, gates: dict[str, float], bits: dict[str, int]) -> None:
+    """An engine beside the published core: `gates` of an operator by heading, `bits` by store."""
+    rows = [
+        (f"one {name}, cells", gates[name] * GATE_UM2_65 / 1e6, PAPER_MM2[name])
+        for name in ("ADD", "MUL", "RCP", "CMP")
+    ]
+    rows += [
+        ("logic, placed", result["logic_mm2"], None),
+        ("SRAM of cache lines", result["sram_lines_mm2"], None),
+        ("other SRAM", result["sram_mm2"] - result["sram_lines_mm2"], None),
+        ("all but wiring", result["mm2_65nm"], PAPER_MM2["core"] - PAPER_WIRING_MM2),
+        ("wiring", None, PAPER_WIRING_MM2),
+    ]
+    files = sum(bits[store] for store in REGISTER_FILES)
+    memory = [("L1", bits["l1_lines"]), ("L2", bits["l2_lines"]), ("register files", files)]
+
+    def line(what, ours, theirs, digits):
+        cells = ["-" if v is None else f"{v:.{digits}f}" for v in (ours, theirs)]
+        print(f"{what:24}{cells[0]:>10}{cells[1]:>11}")
+
+    print(f"\n{'mm2 at 65 nm':24}{'ours':>10}{'published':>11}")
+    for what, ours, theirs in rows:
+        line(what, ours, theirs, 5)
+    print(f"\n{'KB':24}{'ours':>10}{'published':>11}")
+    for what, number in memory:
+        line(what, number / 8192, PAPER_KB[what], 1)

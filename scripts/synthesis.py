@@ -116,7 +116,7 @@ class Synthesis:
         return " ".join(["read_slang", *options, *map(str, sources)])
 
     def marked(self, module: str) -> list[str]:
-        """Commands that elaborate a module with its hierarchy and mark the memories of RAM wrappers."""
+        """Commands that read a module with its hierarchy and mark the memories of RAM wrappers."""
         marks = [f"setattr -set {MARK} 1 {ram}*/m:*" for ram in RAMS]
         return [self.read(module, "--keep-hierarchy"), *marks]
 
