@@ -24,7 +24,6 @@ import argparse
 import re
 import sys
 import time
-from collections import Counter
 from pathlib import Path
 
 import baselines
@@ -138,38 +137,30 @@ def pattern(module: str, path: str) -> str:
     return re.sub(r"[\[\]]", "?", f"{module}${path}")
 
 
-def total(rows: list[dict]) -> dict[str, float]:
-    """Sum of the columns over units, each times how many there are."""
-    found: Counter = Counter()
-    for row in rows:
-        for column, value in row["each"].items():
-            found[column] += value * row["count"]
-    return dict(found)
-
-
 def measure(design: Area, top: str, part: str) -> dict:
-    """One module on one part: units, and their sum."""
+    """One module on one part: rows of units, the instances of one summed, and the sum of rows."""
     begin = time.monotonic()
-    merged: dict[tuple, int] = Counter()
+    rows: dict[str, dict] = {}
     for name, (count, stat) in design.mapped(top, part).items():
         each = cells.columns(part, stat) if part in cells.FPGAS else silicon.columns(part, stat)
-        merged[(name.partition("$")[0], tuple(each.items()))] += count
-    rows = [{"module": m, "count": n, "each": dict(each)} for (m, each), n in merged.items()]
-    return {"rows": rows, **total(rows), "seconds": time.monotonic() - begin}
+        row = rows.setdefault(name.partition("$")[0], {"count": 0, **dict.fromkeys(each, 0)})
+        row["count"] += count
+        for column, value in each.items():
+            row[column] += count * value
+    total = {c: sum(row[c] for row in rows.values()) for c in each}
+    return {"rows": rows, **total, "seconds": time.monotonic() - begin}
 
 
 def print_part(top: str, part: str, result: dict) -> None:
     """The table of one part: a line a unit, all of its instances, and their sum."""
-    columns = list(result["rows"][0]["each"])
+    rows, columns = result["rows"], [c for c in result if c not in ("rows", "seconds")]
     what = cells.FPGAS[part].name if part in cells.FPGAS else silicon.LIBRARIES[part]
     print(f"\n{part}, {what}; {result['seconds']:.0f} s")
     print(f"{'':22}{'n':>4}" + "".join(f"{c.replace('_', ' '):>17}" for c in columns))
-    rows = result["rows"]
-    for row in [*rows[1:], *rows[:1]]:
-        name = row["module"] if row["module"] != top else "between" if rows[1:] else top
-        values = [row["each"][c] * row["count"] for c in columns]
-        print(f"{name:22}{row['count']:4}" + "".join(f"{v:17,.10g}" for v in values))
-    if rows[1:]:
+    for module in [*list(rows)[1:], top]:
+        row, name = rows[module], "between" if module == top and rows.keys() > {top} else module
+        print(f"{name:22}{row['count']:4}" + "".join(f"{row[c]:17,.10g}" for c in columns))
+    if rows.keys() > {top}:
         print(f"{'all':26}" + "".join(f"{result[c]:17,.10g}" for c in columns))
 
 

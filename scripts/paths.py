@@ -121,12 +121,12 @@ def longest(sdf: Path, count: int) -> list[TimedPath]:
                     best = (before[0] + ps, before[1])
             arrival[top] = best
 
-    found = []
+    found: dict[str, TimedPath] = {}
     for pin, setup in setups.items():
         if pin in wires:
             settle(wires[pin][0])
             last = at_sink(pin)
-            if last:
-                found.append(TimedPath((last[0] + setup) / 1000, last[1], pin[0]))
-    found.sort(key=lambda path: -path.ns)
-    return found[:count]
+            cell = pin[0]
+            if last and (cell not in found or last[0] + setup > 1000 * found[cell].ns):
+                found[cell] = TimedPath((last[0] + setup) / 1000, last[1], cell)
+    return sorted(found.values(), key=lambda path: -path.ns)[:count]
