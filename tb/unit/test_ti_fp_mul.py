@@ -7,7 +7,7 @@ from fp_operator_claims import MODES
 
 FORMATS = [(3, 2), (7, 16), (8, 23)]
 
-STAGES = [3, 4, 5]
+STAGES = [3, 4, 5, 6, 7, 8]
 
 
 @pytest.mark.parametrize("stages", STAGES)
