@@ -176,13 +176,13 @@ module ti_fp_add #(
       for (int k = int'(Latency) - 1; k >= 0; k--) begin
         // Compare the magnitudes.
         if (k == 0 && valid[k]) begin
-          mag_a = a_i[MagBits-1:0] & {MagBits{!Flush || a_i[FracBits+:ExpBits] != '0}};
-          mag_b = b_i[MagBits-1:0] & {MagBits{!Flush || b_i[FracBits+:ExpBits] != '0}};
+          mag_a  = a_i[MagBits-1:0] & {MagBits{!Flush || a_i[FracBits+:ExpBits] != '0}};
+          mag_b  = b_i[MagBits-1:0] & {MagBits{!Flush || b_i[FracBits+:ExpBits] != '0}};
           sign_a = a_i[Width-1];
           sign_b = b_i[Width-1] ^ negate_b_i;
           zero_a = a_i[FracBits+:ExpBits] == '0;
           zero_b = b_i[FracBits+:ExpBits] == '0;
-          swap = mag_a < mag_b;
+          swap   = mag_a < mag_b;
           compare_a_q <= mag_a;
           compare_b_q <= mag_b;
           compare_sign_a_q <= sign_a;
@@ -329,9 +329,9 @@ module ti_fp_add #(
           limit = (sum | limit) << {group, 2'b00};
           sum = sum << {group, 2'b00};
           top = limit[SumBits-1-:4];
-          scale_top_q <= top;
-          scale_sum_q <= sum;
-          scale_exp_q <= wide_exp;
+          scale_top_q  <= top;
+          scale_sum_q  <= sum;
+          scale_exp_q  <= wide_exp;
           scale_side_q <= side;
         end
 

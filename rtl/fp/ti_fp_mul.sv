@@ -118,7 +118,7 @@ module ti_fp_mul #(
   logic [SigBits-1:0] quarters_a_q;
   logic [SigBits-1:0] quarters_b_q;
   logic [2*LowBits-1:0] quarters_low_q;
-  logic [SigBits-1:0] quarters_cross_q [2];
+  logic [SigBits-1:0] quarters_cross_q[2];
   logic [2*HighBits-1:0] quarters_high_q;
   logic [SigBits-1:0] quarters_left_q;
   logic quarters_counts_q;
@@ -172,8 +172,8 @@ module ti_fp_mul #(
     automatic logic [3:0] first;
     automatic logic [SumExpBits-1:0] exponent, less, distance;
     automatic logic [ShiftBits-1:0] places;
-    automatic logic [ProdBits-1:0] product;
-    automatic logic [MagBits-1:0] mag;
+    automatic logic [ ProdBits-1:0] product;
+    automatic logic [  MagBits-1:0] mag;
     automatic logic counts, right, stays, lost, top, moves, up, over;
 
     valid = {valid_q[Latency-2:0], valid_i};
@@ -336,7 +336,7 @@ module ti_fp_mul #(
             product = right ? (product >> places) | ProdBits'(lost) : product << places;
           end
           stays = !Flush && (right || exponent == SumExpBits'(1));
-          less = exponent - SumExpBits'(1);
+          less  = exponent - SumExpBits'(1);
           shift_product_q <= product;
           shift_stays_q <= stays;
           shift_exp_q <= exponent;
