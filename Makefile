@@ -30,6 +30,11 @@ CORES ?=
 N ?=
 VARIANTS ?=
 LIMIT ?=
+PART ?=
+SEEDS ?=
+SPEED ?=
+BASELINE ?=
+REASON ?=
 TEST ?=
 UNIT ?=
 QUICK ?=
@@ -240,15 +245,26 @@ waves: check-unit model ## The same with an FST, opened in a viewer (UNIT= TEST=
 operators: config ## FP operators and memory bits of CONFIG= beside the published core (OUT=file.json)
 	@python scripts/operators.py $(config) $(call opt,--json,OUT)
 
-synth: config ## Latches, loops, memories and cells of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
+synth: config ## Latches, loops and memories of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
 	@python scripts/synth_check.py $(config) $(call opt,--unit,UNIT) $(call opt,--json,OUT)
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1)
 	@python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)
 
-timing: config ## Longest path, gates and flops of CONFIG= in 0.18 um (UNIT=ti_fp_add LIMIT=6.5 OUT=file.json)
-	@[[ -f $(liberty) ]] || scripts/setup.sh --extra
-	@python scripts/timing.py $(config) $(call opt,--unit,UNIT) $(call opt,--limit,LIMIT) $(call opt,--json,OUT)
+area: config ## Cells of CONFIG= or a unit by Yosys: LUT, FF, DSP, BRAM, gates, mm2 at 65 nm (PART="xcup xc7 ecp5 gowin osu018 sky130" UNIT= OUT=file.json BASELINE=1 REASON="...")
+	@$(if $(filter osu018,$(area_parts)),[[ -f $(liberty) ]] || scripts/setup.sh --extra; scripts/setup.sh --cacti)
+	@$(if $(filter sky130,$(area_parts)),scripts/setup.sh --sky130)
+	@python scripts/area.py $(config) $(call words_of,--part,PART) $(call words_of,--unit,UNIT) $(call opt,--json,OUT) $(baseline)
+
+fmax: need-PART config ## Clock of the units of CONFIG=, or of UNIT=, with the ten longest paths (PART=ecp5-85k|gowin|osu018 UNIT="ti_fp_add ti_engine" SEEDS=3 SPEED=6 LIMIT=10 OUT=file.json BASELINE=1 REASON="...")
+	@$(if $(filter osu018,$(value PART)),[[ -f $(liberty) ]] && command -v sta >/dev/null || scripts/setup.sh --extra,scripts/setup.sh --synthesis)
+	@python scripts/fmax.py $(config) $(call opt,--part,PART) $(call words_of,--unit,UNIT) $(call opt,--seeds,SEEDS) \
+	  $(call opt,--speed,SPEED) $(call opt,--limit,LIMIT) $(call opt,--json,OUT) $(baseline)
+area_parts = $(or $(value PART),osu018 sky130)
+# words_of OPTION,NAME: the option with each word of the variable as a word of the shell.
+words_of = $(if $(value $(2)),$(1) $(foreach w,$(value $(2)),'$(subst ','\'',$(w))'))
+# BASELINE=1 compares with the file of the command and configuration in tb/baselines, REASON= writes it.
+baseline = $(if $(filter-out 0,$(value BASELINE))$(value REASON),--baseline tb/baselines/$@-$(notdir $(config)).json) $(call opt,--record,REASON)
 
 lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh
@@ -328,5 +344,5 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants timing lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
   effects-table second-opinion convergence format certify fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized

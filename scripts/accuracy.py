@@ -5,7 +5,7 @@
 A point is a scene with a format, a test and a walk.  `ti accuracy` counts its wrong hits against
 exact arithmetic, for each kind of rays, on the model, which has the bits of the RTL, and renders it
 beside an exact picture.  Beside it stand the operators of the machine (scripts/operators.py) with
-their ECP5 cells in that format (scripts/synth_check.py), the latency of a step and of a test, and
+their ECP5 cells in that format (scripts/area.py), the latency of a step and of a test, and
 the bytes of a node and a triangle; with --rtl the cycles of primary rays on the RTL as well.
 
 A scene may be moved before it is rounded: FILE@1e6 along x, FILE@1e6,0,2e5 along all axes.

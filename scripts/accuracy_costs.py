@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a machine of a sweep of accuracy costs: operators, cells, latency, bytes.
 
-Cells of the operators (ECP5, scripts/synth_check.py) are kept in build/accuracy/cells, in a file
+Cells of the operators (ECP5, scripts/area.py) are kept in build/accuracy/cells, in a file
 named after what they depend on: the keys of the number format and its operators, and the RTL.
 """
 
@@ -15,7 +15,7 @@ import configure
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / "build/venv/bin/python"  # has what the other scripts ask for
 OPERATORS = {"ADD": "ti_fp_add", "MUL": "ti_fp_mul", "RCP": "ti_fp_rcp", "CMP": "ti_fp_cmp"}
-CELLS = {"lut": ("LUT4",), "ff": ("TRELLIS_FF",), "dsp": ("MULT18X18D",)}
+CELLS = {"lut": "LUT", "ff": "FF", "dsp": "DSP"}  # columns of `make area`
 FORMAT_KEYS = ("exp_bits", "frac_bits", "rounding", "subnormals", "reciprocal")
 NODE_BYTES = 8
 
@@ -55,7 +55,8 @@ def digest_of_rtl() -> str:
     """Changes with every file that the cells of an operator may depend on."""
     digest = hashlib.sha256()
     files = [*(ROOT / "rtl").rglob("*.sv"), *(ROOT / "rtl").rglob("*.svh")]
-    for file in [*sorted(files), ROOT / "scripts/synth_check.py", ROOT / "requirements.txt"]:
+    counting = [ROOT / "scripts" / f"{name}.py" for name in ("area", "cells", "synthesis")]
+    for file in [*sorted(files), *counting, ROOT / "requirements.txt"]:
         digest.update(f"{file.relative_to(ROOT)}\n".encode() + file.read_bytes())
     return digest.hexdigest()
 
@@ -96,7 +97,7 @@ class Costs:
         file = self.file_of(keys)
         if file.name not in self._cells:
             if not file.exists():
-                found = {name: self._synthesize(folder, m) for name, m in OPERATORS.items()}
+                found = self._synthesize(folder)
                 file.parent.mkdir(parents=True, exist_ok=True)
                 part = file.with_suffix(".part")
                 part.write_text(json.dumps(found, indent=1) + "\n")
@@ -104,13 +105,16 @@ class Costs:
             self._cells[file.name] = json.loads(file.read_text())
         return self._cells[file.name]
 
-    def _synthesize(self, folder: Path, module: str) -> dict:
+    def _synthesize(self, folder: Path) -> dict:
         out = self._folder / "cells.json"
-        words = [VENV, "scripts/synth_check.py", folder, "--unit", module, "--cells", "--json", out]
-        run(words, module)
-        cells = json.loads(out.read_text())["ecp5_cells"][module]
+        words = [VENV, "scripts/area.py", folder, "--part", "ecp5", "--json", out]
+        run([*words, "--unit", *OPERATORS.values()], "area")
+        units = json.loads(out.read_text())["units"]
         out.unlink()
-        return {c: sum(cells.get(n, 0) for n in names) for c, names in CELLS.items()}
+        return {
+            name: {c: units[module]["ecp5"][column] for c, column in CELLS.items()}
+            for name, module in OPERATORS.items()
+        }
 
     def _operators_of(self, keys: dict, folder: Path) -> dict:
         kind = keys["triangle_test"], keys["traversal"]

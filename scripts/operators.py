@@ -95,8 +95,10 @@ class Unit:
     bits: Counter = field(default_factory=Counter)
 
 
-def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymbol]:
-    """`ti_engine` with the configuration `package`; the compiler's messages go to the terminal.
+def elaborate(
+    package: Path, rtl: Path, module: str = "ti_engine", parameters: dict[str, int] | None = None
+) -> tuple[driver.Driver, ast.InstanceSymbol]:
+    """A module with the configuration `package`; the compiler's messages go to the terminal.
 
     The sources live in the driver, which the caller keeps as long as the instance.
     """
@@ -109,7 +111,9 @@ def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymb
             include.append(rtl.parent / line.removeprefix("+incdir+"))
         else:
             sources.append(rtl.parent / line)
-    options = ["--top", "ti_engine", "-DSYNTHESIS", *(f"-I{path}" for path in include)]
+    options = ["--top", module, "-DSYNTHESIS", *(f"-I{path}" for path in include)]
+    for name, value in (parameters or {}).items():
+        options += ["-G", f"{name}={value}"]
     words = ["slang", *options, *sources]
     good = slang.parseCommandLine(" ".join(f'"{word}"' for word in words))
     if not (good and slang.processOptions() and slang.parseAllSources()):
@@ -117,7 +121,7 @@ def elaborate(package: Path, rtl: Path) -> tuple[driver.Driver, ast.InstanceSymb
     compilation = slang.createCompilation()
     slang.reportCompilation(compilation, True)
     if not slang.reportDiagnostics(True):
-        raise DesignError(f"{rtl}/ti.f: ti_engine does not elaborate; the messages above say where")
+        raise DesignError(f"{rtl}/ti.f: {module} does not elaborate; the messages above say where")
     return slang, compilation.getRoot().topInstances[0]
 
 

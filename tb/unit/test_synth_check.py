@@ -9,7 +9,7 @@ import sys
 import pytest
 from agents.bench import ROOT
 from configure import configure
-from synth_check import Synthesis
+from synthesis import Synthesis
 
 
 def check(folder, *arguments, rtl=ROOT / "rtl"):
