@@ -291,7 +291,7 @@ setup: ## Install what is missing (apt, Python in build/venv)
 	@scripts/setup.sh
 
 clean: ## Remove what builds and runs wrote; the set-up stays (ALL=1: that too)
-	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp ! -name dram -exec rm -rf {} +)
+	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp ! -name dram ! -name synthesis ! -name cacti ! -name sky130 -exec rm -rf {} +)
 
 help: ## Show this list
 	@awk 'BEGIN {FS = ":.*## "} /^##@ / {printf "\n%s\n", substr($$0, 5)} \

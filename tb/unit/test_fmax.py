@@ -5,12 +5,14 @@ import json
 import re
 import subprocess
 import sys
+from collections import Counter
 
 import pytest
 from agents.bench import ROOT
 from configure import configure
 from fmax import FPGAS, LIBERTY, TOOLS
 from harness import harness
+from netlist import FANOUT, buffer_registers
 from paths import longest
 
 needs_cells = pytest.mark.skipif(
@@ -83,6 +85,30 @@ def test_a_harness_drives_every_input_and_takes_every_output():
     assert r".\data_i (in_q[4:0])" in text and r".\valid_i (in_q[5:5])" in text
     assert places["in_q[5]"] == "input valid_i" and places["tree0_q[6]"] == "output data_o"
     assert len(places) == 6 + 7
+
+
+def test_a_register_with_many_sinks_gets_a_tree_of_buffers():
+    def cell(kind, **pins):
+        return {"type": kind, "connections": {pin: [bit] for pin, bit in pins.items()}}
+
+    cells = {"source": cell("DFFPOSX1", CLK=2, D=3, Q=4)}
+    cells |= {f"sink_{i}": cell("INVX1", A=4, Y=10 + i) for i in range(200)}
+    module = {"cells": cells, "netnames": {"all": {"bits": [*range(2, 210)], "hide_name": 0}}}
+    count = buffer_registers(module)
+    assert count == 17 + 2
+
+    driver, sinks = {}, Counter()
+    for name, what in cells.items():
+        for pin, (bit,) in what["connections"].items():
+            if pin in ("Y", "Q"):
+                driver[bit] = name
+            else:
+                sinks[bit] += 1
+    assert max(sinks.values()) <= FANOUT
+    for i in range(200):
+        name = f"sink_{i}"
+        while name != "source":
+            name = driver[cells[name]["connections"]["A"][0]]
 
 
 @needs_nextpnr
