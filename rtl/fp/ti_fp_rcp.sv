@@ -7,7 +7,8 @@
 /// Latency `ti_fp_pkg::rcp_latency` of its parameters, one result a cycle, never stalls.  All paths
 /// start and end in registers except the input.  A stage works only for a valid operand.  With 3 end
 /// stages the leading zeros of the operand are counted in a stage of their own, which leaves time for
-/// what the caller has in front; with 4 the quotient is shifted in one stage and rounded in the next.
+/// what the caller has in front; with 4 the quotient is shifted in one stage and rounded in the next;
+/// with 5 the operand is shifted in two.
 ///
 /// By division (`TableBits` 0) the error is at most half a unit in the last place in every format:
 /// restoring long division, one digit of `BitsPerStage` bits by comparing with all its multiples of
@@ -29,7 +30,7 @@ module ti_fp_rcp #(
   parameter int unsigned FracBits = 23,
   /// Quotient bits found in one stage, 1 to 3.
   parameter int unsigned BitsPerStage = ti_fp_pkg::RcpBitsPerStage,
-  /// Stages in front of and behind the quotient, 2 to 4.
+  /// Stages in front of and behind the quotient, 2 to 5.
   parameter int unsigned EndStages = ti_fp_pkg::RcpEndStages,
   /// Bits of the index into the seeds of `ti_fp_newton`, at most `FracBits`; 0: division.
   parameter int unsigned TableBits = ti_fp_pkg::RcpTableBits,
@@ -58,7 +59,8 @@ module ti_fp_rcp #(
   // come FracBits + 1 significand bits and the guard bit, rounded up to whole stages.  A step of
   // latency 0 is done in the stage of the next one.
   localparam int unsigned CountLatency = (EndStages >= 3) ? 1 : 0;
-  localparam int unsigned ScaleLatency = 1;
+  localparam int unsigned ScaleLatency = (EndStages >= 5) ? 1 : 0;
+  localparam int unsigned ShiftLatency = 1;
   localparam int unsigned DigitLatency = (FracBits + 1 + BitsPerStage) / BitsPerStage;
   localparam int unsigned NewtonLatency = 1 + 2 * NewtonSteps * ProductStages;
   localparam int unsigned MiddleLatency = (TableBits == 0) ? DigitLatency : NewtonLatency;
@@ -67,10 +69,14 @@ module ti_fp_rcp #(
 
   // The stage of each step; that of counting is 0.
   localparam int unsigned ScaleStage = CountLatency;
-  localparam int unsigned MiddleStage = ScaleStage + ScaleLatency;
+  localparam int unsigned ShiftStage = ScaleStage + ScaleLatency;
+  localparam int unsigned MiddleStage = ShiftStage + ShiftLatency;
   localparam int unsigned PlaceStage = MiddleStage + MiddleLatency;
   localparam int unsigned RoundStage = PlaceStage + PlaceLatency;
   localparam int unsigned Latency = RoundStage + RoundLatency;
+  // The valid bit in front of a stage other than 0.
+  localparam int unsigned ScaleEnable = (ScaleStage > 0) ? ScaleStage - 1 : 0;
+  localparam int unsigned ShiftEnable = (ShiftStage > 0) ? ShiftStage - 1 : 0;
 
   localparam int unsigned MagBits = ExpBits + FracBits;
   // Below the integer bit.
@@ -78,7 +84,9 @@ module ti_fp_rcp #(
   localparam int unsigned QuotBits = 1 + ((TableBits == 0) ? DigitBits : FracBits + 3);
   localparam int unsigned Radix = 1 << BitsPerStage;
   localparam int unsigned TrialBits = SigBits + BitsPerStage + 1;
-  localparam int unsigned CountBits = $clog2(SigBits);
+  // Leading zeros are counted in groups of four places.
+  localparam int unsigned NumGroups = (SigBits + 3) / 4;
+  localparam int unsigned GroupBits = (NumGroups > 1) ? $clog2(NumGroups) : 1;
   // Enough for the signed exponent of 1/a, subnormal operands included.
   localparam int unsigned WideExpBits = 10;
   localparam int signed Bias = (1 << (ExpBits - 1)) - 1;
@@ -93,8 +101,8 @@ module ti_fp_rcp #(
   if (BitsPerStage < 1 || BitsPerStage > 3) begin : gen_check_bits_per_stage
     $error("ti_fp_rcp: BitsPerStage must be 1 to 3.");
   end
-  if (EndStages < 2 || EndStages > 4) begin : gen_check_end_stages
-    $error("ti_fp_rcp: EndStages must be 2 to 4.");
+  if (EndStages < 2 || EndStages > 5) begin : gen_check_end_stages
+    $error("ti_fp_rcp: EndStages must be 2 to 5.");
   end
   if (Latency != ti_fp_pkg::rcp_latency(
           FracBits, BitsPerStage, EndStages, TableBits, NewtonSteps, ProductStages
@@ -108,7 +116,7 @@ module ti_fp_rcp #(
     logic to_inf;  // the operand is zero
     logic to_zero;  // the operand is infinite, or the result flushed
     logic to_max;  // overflow toward zero
-    logic signed [WideExpBits-1:0] exponent;  // of the result when 1/m < 1
+    logic signed [WideExpBits-1:0] exponent;  // of the result
   } side_t;
 
   logic [Latency-1:0] valid_q;
@@ -123,11 +131,16 @@ module ti_fp_rcp #(
 
   // Registers behind each step; those of a step of latency 0 are not used.
   logic [SigBits-1:0] count_sig_q;
-  logic [CountBits-1:0] count_q;
+  logic [GroupBits-1:0] count_group_q;
+  logic count_one_q;
   side_t count_side_q;
 
   logic [SigBits-1:0] scale_sig_q;
   logic scale_one_q;
+  side_t scale_side_q;
+
+  logic [SigBits-1:0] shift_sig_q;
+  logic shift_one_q;
 
   // In front of middle stage i; the last one is behind them.
   side_t side_q[MiddleLatency+1];
@@ -145,23 +158,27 @@ module ti_fp_rcp #(
     automatic side_t side;
     automatic logic [ExpBits-1:0] exp_a;
     automatic logic [FracBits-1:0] frac_a;
-    automatic logic [SigBits-1:0] sig, left;
-    automatic logic [CountBits-1:0] count;
-    automatic logic zero, one;
+    automatic logic [SigBits-1:0] sig;
+    automatic logic [4*NumGroups-1:0] groups;
+    automatic logic [GroupBits-1:0] group;
+    automatic logic [3:0] first;
+    automatic logic [1:0] count;
+    automatic logic one;
 
     for (int k = int'(MiddleStage) - 1; k >= 0; k--) begin
-      // Count: leading zeros of the significand.  Exponent 0 has the scale of exponent 1.
+      // Count: the first group of places with a one.  Exponent 0 has the scale of exponent 1.  The
+      // integer bit of the quotient is 1 only for a power of two.
       if (k == 0 && valid_i) begin
-        exp_a = a_i[FracBits+:ExpBits];
+        exp_a  = a_i[FracBits+:ExpBits];
         frac_a = a_i[FracBits-1:0];
-        sig = {Flush || exp_a != '0, frac_a};
-        left = sig;
-        count = '0;
+        sig    = {Flush || exp_a != '0, frac_a};
+        one    = (sig & (sig - SigBits'(1))) == '0;
+        groups = (4 * NumGroups)'(sig) << (4 * NumGroups - SigBits);
+        group  = '0;
         if (!Flush) begin
-          for (int i = int'(CountBits) - 1; i >= 0; i--) begin
-            zero  = (left >> (SigBits - (1 << i))) == '0;
-            count = count | (CountBits'(zero) << i);
-            left  = left << (CountBits'(zero) << i);
+          group = GroupBits'(NumGroups - 1);
+          for (int i = int'(NumGroups) - 2; i >= 0; i--) begin
+            if (groups[4*(int'(NumGroups)-1-i)+:4] != '0) group = GroupBits'(i);
           end
         end
         side = '{
@@ -172,24 +189,42 @@ module ti_fp_rcp #(
             to_max: 1'b0,
             exponent: WideExpBits'(2 * Bias - 1) - WideExpBits'(exp_a | ExpBits'(exp_a == '0))
         };
-        count_sig_q <= sig;
-        count_q <= count;
-        count_side_q <= side;
+        count_sig_q   <= sig;
+        count_group_q <= group;
+        count_one_q   <= one;
+        count_side_q  <= side;
       end
 
-      // Scale: the significand m without leading zeros (anything for zero).  The integer bit of the
-      // quotient is 1 only for a power of two.
-      if (k == int'(ScaleStage) && ((CountLatency == 0) ? valid_i : valid_q[0])) begin
+      // Scale: the group moves to the front.
+      if (k == int'(ScaleStage) && ((ScaleStage == 0) ? valid_i : valid_q[ScaleEnable])) begin
         if (CountLatency != 0) begin
           sig   = count_sig_q;
-          count = count_q;
+          group = count_group_q;
+          one   = count_one_q;
           side  = count_side_q;
         end
-        left = sig << count;
-        one = left[FracBits-1:0] == '0;
-        side.exponent = side.exponent + WideExpBits'(count);
-        scale_sig_q <= left;
-        scale_one_q <= one;
+        sig = sig << {group, 2'b00};
+        side.exponent = side.exponent + WideExpBits'({group, 2'b00});
+        scale_sig_q  <= sig;
+        scale_one_q  <= one;
+        scale_side_q <= side;
+      end
+
+      // Shift by the zeros in front of the group's first one: the significand m has none then (anything
+      // for zero).
+      if (k == int'(ShiftStage) && ((ShiftStage == 0) ? valid_i : valid_q[ShiftEnable])) begin
+        if (ScaleLatency != 0) begin
+          sig  = scale_sig_q;
+          one  = scale_one_q;
+          side = scale_side_q;
+        end
+        groups = (4 * NumGroups)'(sig) << (4 * NumGroups - SigBits);
+        first = groups[4*NumGroups-1-:4];
+        count = {!first[3] && !first[2], !first[3] && (first[2] || !first[1])};
+        sig = sig << count;
+        side.exponent = side.exponent + WideExpBits'(count) + WideExpBits'(one);
+        shift_sig_q <= sig;
+        shift_one_q <= one;
         side_q[0]   <= side;
       end
     end
@@ -200,30 +235,34 @@ module ti_fp_rcp #(
   end
 
   if (TableBits == 0) begin : gen_division
-    // Behind digit stage i.
-    logic [ SigBits-1:0] divisor_q  [DigitLatency];
-    logic [ SigBits-1:0] remainder_q[DigitLatency];
-    logic [QuotBits-1:0] quotient_q [DigitLatency];
+    // Behind digit stage i; the odd multiples of the divisor go along.
+    logic [  SigBits-1:0] remainder_q[DigitLatency];
+    logic [ QuotBits-1:0] quotient_q [DigitLatency];
+    logic [TrialBits-1:0] multiples_q[DigitLatency] [Radix];
 
     // Always 0 <= remainder < divisor.
     for (genvar i = 0; i < DigitLatency; i++) begin : gen_digit
       localparam int unsigned Before = (i == 0) ? 0 : i - 1;
       always_ff @(posedge clk_i) begin
         automatic logic [BitsPerStage-1:0] digit;
-        automatic logic [SigBits-1:0] divisor, remainder, left;
+        automatic logic [SigBits-1:0] remainder, left;
         automatic logic [QuotBits-BitsPerStage-1:0] upper;
         automatic logic [TrialBits-1:0] trial;
+        automatic logic [TrialBits-1:0] multiples[Radix];
 
         if (valid_q[MiddleStage+i-1]) begin
-          divisor = (i == 0) ? scale_sig_q : divisor_q[Before];
-          remainder = (i == 0) ? {!scale_one_q, {FracBits{1'b0}}} : remainder_q[Before];
-          upper = (i == 0) ? (QuotBits - BitsPerStage)'(scale_one_q)
+          remainder = (i == 0) ? {!shift_one_q, {FracBits{1'b0}}} : remainder_q[Before];
+          upper = (i == 0) ? (QuotBits - BitsPerStage)'(shift_one_q)
               : quotient_q[Before][QuotBits-BitsPerStage-1:0];
           digit = '0;
           left = remainder << BitsPerStage;
+          multiples[0] = '0;
           for (int unsigned k = 1; k < Radix; k++) begin
-            trial = TrialBits'({remainder, {BitsPerStage{1'b0}}})
-                - TrialBits'(k) * TrialBits'(divisor);
+            if (k % 2 == 0) multiples[k] = multiples[k/2] << 1;
+            else if (i != 0) multiples[k] = multiples_q[Before][k];
+            else multiples[k] = multiples[k-1] + TrialBits'(shift_sig_q);
+            if (k % 2 != 0) multiples_q[i][k] <= multiples[k];
+            trial = TrialBits'({remainder, {BitsPerStage{1'b0}}}) - multiples[k];
             if (!trial[TrialBits-1]) begin
               digit = BitsPerStage'(k);
               left  = trial[SigBits-1:0];
@@ -231,7 +270,6 @@ module ti_fp_rcp #(
           end
           quotient_q[i]  <= {upper, digit};
           remainder_q[i] <= left;
-          divisor_q[i]   <= divisor;
         end
       end
     end
@@ -248,8 +286,8 @@ module ti_fp_rcp #(
     ) u_newton (
       .clk_i,
       .valid_i  (valid_q[MiddleStage-1+:MiddleLatency]),
-      .sig_i    (scale_sig_q),
-      .exact_i  (scale_one_q),
+      .sig_i    (shift_sig_q),
+      .exact_i  (shift_one_q),
       .inverse_o(quotient)
     );
     assign inexact = 1'b0;
@@ -268,7 +306,7 @@ module ti_fp_rcp #(
       // that may be flushed is rounded where it is.
       if (k == int'(PlaceStage) && valid_q[PlaceStage-1]) begin
         side = side_q[MiddleLatency];
-        exponent = side.exponent + WideExpBits'(quotient[QuotBits-1]);
+        exponent = side.exponent;
         placed = {quotient[QuotBits-1] ? quotient : quotient << 1, 2'b00};
         if (!Flush && exponent == 0) placed = placed >> 1;
         if (!Flush && exponent < 0) placed = placed >> 2;

@@ -5,14 +5,16 @@ import pytest
 from agents.bench import run
 from fp_operator_claims import MODES
 
-FORMATS = [(3, 2), (7, 16), (8, 23)]
+# Formats with their numbers of stages.
+CASES = [
+    *(((8, 23), stages) for stages in range(3, 9)),
+    *((small, stages) for small in [(3, 2), (7, 16)] for stages in [3, 8]),
+]
 
-STAGES = [3, 4, 5]
 
-
-@pytest.mark.parametrize("stages", STAGES)
-@pytest.mark.parametrize(("exp_bits", "frac_bits"), FORMATS)
-def test_ti_fp_mul(exp_bits, frac_bits, stages):
+@pytest.mark.parametrize(("number_format", "stages"), CASES)
+def test_ti_fp_mul(number_format, stages):
+    exp_bits, frac_bits = number_format
     run(
         "ti_fp_mul",
         "fp_operator_claims",
