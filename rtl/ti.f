@@ -15,6 +15,10 @@ rtl/common/ti_arbiter.sv
 rtl/common/ti_xbar.sv
 rtl/common/ti_slot_pool.sv
 rtl/common/ti_stage.sv
+rtl/common/ti_sync.sv
+rtl/common/ti_cdc_write.sv
+rtl/common/ti_cdc_read.sv
+rtl/common/ti_cdc_fifo.sv
 rtl/count/ti_counters.sv
 rtl/fp/ti_fp_add.sv
 rtl/fp/ti_fp_mul.sv
