@@ -6,6 +6,7 @@ rtl/ti_pkg.sv
 rtl/traverse/common/ti_traverse_pkg.sv
 rtl/traverse/kd/ti_kd_pkg.sv
 rtl/intersect/ti_intersect_pkg.sv
+rtl/host/ti_regs_pkg.sv
 rtl/common/ti_fifo.sv
 rtl/common/ti_queue.sv
 rtl/common/ti_ram_1r1w.sv
@@ -65,3 +66,8 @@ rtl/intersect/ti_intersect.sv
 rtl/top/ti_core.sv
 rtl/top/ti_core_deal.sv
 rtl/top/ti_engine.sv
+rtl/host/ti_regs.sv
+rtl/host/ti_host.sv
+rtl/host/ti_ray_in.sv
+rtl/host/ti_hit_out.sv
+rtl/host/ti_top.sv
