@@ -232,6 +232,12 @@ config: build/setup.stamp ## Files of CONFIG= for RTL, C++ and programs, checked
 sw: build/setup.stamp ## C++ programs, their tests, and the model for Python
 	@$(call build_cpp,all)
 
+registers: build/setup.stamp ## What rtl/host/ti_regs.rdl describes: register block, C header, Python model, docs/registers.md
+	@python scripts/registers.py
+
+ip: config ## CONFIG= as a block for block designs: ti_top_wrapper.v, IP-XACT, all sources (SET= OUT=)
+	@python scripts/wrapper.py --out $(call out,build/ip/$(notdir $(config))) -- $(call q,CONFIG) $(overrides)
+
 ##@ Check
 test: build/setup.stamp ## Every check that CI runs (TEST=part_of_a_name for a few)
 	@scripts/test.sh $(call q,TEST)
@@ -270,7 +276,7 @@ lint: build/setup.stamp ## Verilator -Wall, Verible, clang-format, Ruff
 	@scripts/lint.sh
 
 format: build/setup.stamp ## Lay out RTL, C++ and Python
-	@verible-verilog-format --flagfile=lint/verible-format.flags --inplace $$(find rtl tb sim -name '*.sv')
+	@verible-verilog-format --flagfile=lint/verible-format.flags --inplace $$(find rtl tb sim -name '*.sv' ! -name 'ti_regs*.sv')
 	@clang-format -i $$(find sw sim tb -name '*.cpp' -o -name '*.hpp')
 	@ruff format --quiet && ruff check --quiet --fix
 
@@ -345,4 +351,4 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 
 FORCE:
 .PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
-  effects-table second-opinion convergence format certify fp-volume tree-table setup clean help dram check-engine check-mem check-unit check-format model sanitized
+  effects-table second-opinion convergence format certify fp-volume tree-table registers ip setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -6,6 +6,7 @@ rtl/ti_pkg.sv
 rtl/traverse/common/ti_traverse_pkg.sv
 rtl/traverse/kd/ti_kd_pkg.sv
 rtl/intersect/ti_intersect_pkg.sv
+rtl/host/ti_regs_pkg.sv
 rtl/common/ti_fifo.sv
 rtl/common/ti_queue.sv
 rtl/common/ti_ram_1r1w.sv
@@ -15,6 +16,10 @@ rtl/common/ti_arbiter.sv
 rtl/common/ti_xbar.sv
 rtl/common/ti_slot_pool.sv
 rtl/common/ti_stage.sv
+rtl/common/ti_sync.sv
+rtl/common/ti_cdc_write.sv
+rtl/common/ti_cdc_read.sv
+rtl/common/ti_cdc_fifo.sv
 rtl/count/ti_counters.sv
 rtl/fp/ti_fp_add.sv
 rtl/fp/ti_fp_mul.sv
@@ -61,3 +66,8 @@ rtl/intersect/ti_intersect.sv
 rtl/top/ti_core.sv
 rtl/top/ti_core_deal.sv
 rtl/top/ti_engine.sv
+rtl/host/ti_regs.sv
+rtl/host/ti_host.sv
+rtl/host/ti_ray_in.sv
+rtl/host/ti_hit_out.sv
+rtl/host/ti_top.sv

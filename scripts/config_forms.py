@@ -37,7 +37,8 @@ def package(schema: Schema, machine: str, config: dict[str, Value]) -> str:
     lines = "".join(_sv(key, config[key.name]) for key in schema.keys.values() if key.hardware)
     return (
         f"{HEAD}\n/// Machine {machine}, written by scripts/configure.py.\n"
-        f"package ti_config_pkg;\n\n{lines}\nendpackage : ti_config_pkg\n"
+        f"package ti_config_pkg;\n\n{lines}\n  /// The digest of these, for programs.\n"
+        f"  localparam logic [31:0] Hash = 32'h{machine};\n\nendpackage : ti_config_pkg\n"
     )
 
 

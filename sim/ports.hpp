@@ -54,6 +54,7 @@ inline void reset(Vti_engine& top, Waves& waves) {
   top.m_axi_arready = 0;
   top.m_axi_rvalid = 0;
   top.count_run_i = 0;
+  top.snapshot_i = 0;
   top.rst_ni = 0;
   for (int i = 0; i < 4; ++i) step(top, waves);
   top.rst_ni = 1;

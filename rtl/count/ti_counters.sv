@@ -6,6 +6,8 @@
 ///
 /// `count_o` is the counter `index_i`, 1 cycle after it was asked for; an index beyond the last reads 0.  Counters
 /// are zero after reset and wrap at 2^`Width`.  With `ti_config_pkg::Counters` 0 nothing is built and 0 is read.
+/// With `ti_config_pkg::CounterSnapshot` what is read is a second rank of registers, which takes all counts in a
+/// cycle in which `snapshot_i` is 1, the events before that cycle in them; it is zero after reset too.
 /// The numbers of the events are those of `ti_count_pkg`.
 module ti_counters #(
   /// Events, 1 or more.
@@ -16,6 +18,7 @@ module ti_counters #(
   input logic rst_ni,
 
   input logic           run_i,
+  input logic           snapshot_i,
   input logic [Num-1:0] events_i,
 
   input  ti_count_pkg::event_index_t index_i,
@@ -30,7 +33,20 @@ module ti_counters #(
         if (!rst_ni) count_q <= '0;
         else if (run_i && events_i[e]) count_q <= count_q + 1'b1;
       end
-      assign counts[e] = count_q;
+      if (ti_config_pkg::CounterSnapshot != 0) begin : gen_copy
+        logic [Width-1:0] copy_q;
+        always_ff @(`TI_CLK_RST) begin
+          if (!rst_ni) copy_q <= '0;
+          else if (snapshot_i) copy_q <= count_q;
+        end
+        assign counts[e] = copy_q;
+      end else begin : gen_live
+        assign counts[e] = count_q;
+      end
+    end
+    if (ti_config_pkg::CounterSnapshot == 0) begin : gen_no_copy
+      logic unused_snapshot;
+      assign unused_snapshot = snapshot_i;
     end
 
     always_ff @(posedge clk_i) begin
@@ -41,7 +57,7 @@ module ti_counters #(
     end
   end else begin : gen_none
     logic unused;
-    assign unused  = clk_i & rst_ni & run_i & (|events_i) & (|index_i);
+    assign unused  = clk_i & rst_ni & run_i & snapshot_i & (|events_i) & (|index_i);
     assign count_o = '0;
   end
 

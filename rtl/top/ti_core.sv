@@ -36,6 +36,7 @@ module ti_core #(
   input  ti_mem_pkg::line_rsp_t                line_rsp_data_i [NumPorts],
 
   input  logic                       count_run_i,    // counters count
+  input  logic                       snapshot_i,     // and are copied (`counter_snapshot`)
   input  ti_count_pkg::unit_index_t  count_unit_i,
   input  ti_count_pkg::event_index_t count_event_i,
   output ti_count_pkg::count_t       count_o
@@ -139,6 +140,7 @@ module ti_core #(
     .clk_i,
     .rst_ni,
     .run_i   (count_run_i),
+    .snapshot_i,
     .events_i(rd_events),
     .index_i (count_event_i),
     .count_o (counts[ti_count_pkg::UnitRd])
@@ -150,6 +152,7 @@ module ti_core #(
       .clk_i,
       .rst_ni,
       .run_i   (count_run_i),
+      .snapshot_i,
       .events_i(trv_events[t]),
       .index_i (count_event_i),
       .count_o (counts[ti_count_pkg::UnitTrv+t])
@@ -162,6 +165,7 @@ module ti_core #(
       .clk_i,
       .rst_ni,
       .run_i   (count_run_i),
+      .snapshot_i,
       .events_i(list_events[l]),
       .index_i (count_event_i),
       .count_o (counts[ti_count_pkg::UnitList+l])
@@ -174,6 +178,7 @@ module ti_core #(
       .clk_i,
       .rst_ni,
       .run_i   (count_run_i),
+      .snapshot_i,
       .events_i(ist1_events[i]),
       .index_i (count_event_i),
       .count_o (counts[ti_count_pkg::UnitIst1+i])
@@ -185,6 +190,7 @@ module ti_core #(
     .clk_i,
     .rst_ni,
     .run_i   (count_run_i),
+    .snapshot_i,
     .events_i(ist2_events),
     .index_i (count_event_i),
     .count_o (counts[ti_count_pkg::UnitIst2])

@@ -17,7 +17,8 @@
 /// Reset: see `ti_axi_read` on reads in flight.
 ///
 /// Counters count while `count_run_i` is 1; `count_o` is counter `count_event_i` of unit `count_unit_i` of core
-/// `count_core_i` (`ti_count_pkg`), 2 cycles after it was asked for.
+/// `count_core_i` (`ti_count_pkg`), 2 cycles after it was asked for.  With `ti_config_pkg::CounterSnapshot` it is what
+/// the counter was at the last `snapshot_i`, of all units in the same cycle.
 module ti_engine #(
   localparam int unsigned NumCores = ti_config_pkg::Cores,
   localparam int unsigned NumStreams = ti_config_pkg::Streams,
@@ -60,6 +61,7 @@ module ti_engine #(
   input  logic              [  NumCores-1:0] m_axi_rlast,
 
   input  logic                                            count_run_i,
+  input  logic                                            snapshot_i,
   input  logic                       [CoreIndexWidth-1:0] count_core_i,
   input  ti_count_pkg::unit_index_t                       count_unit_i,
   input  ti_count_pkg::event_index_t                      count_event_i,
@@ -153,7 +155,7 @@ module ti_engine #(
   always_ff @(posedge clk_i) if (idle) scene_q <= scene_i;
 
   // Counters.
-  logic count_run_q;
+  logic count_run_q, snapshot_q;
   logic [CoreIndexWidth-1:0] count_core_q, count_core_q2;
   ti_count_pkg::unit_index_t count_unit_q, count_unit_q2;
   ti_count_pkg::event_index_t count_event_q;
@@ -161,8 +163,13 @@ module ti_engine #(
   ti_count_pkg::count_t memory_count[NumCores];
 
   always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) count_run_q <= 1'b0;
-    else count_run_q <= count_run_i;
+    if (!rst_ni) begin
+      count_run_q <= 1'b0;
+      snapshot_q  <= 1'b0;
+    end else begin
+      count_run_q <= count_run_i;
+      snapshot_q  <= snapshot_i;
+    end
   end
   always_ff @(posedge clk_i) begin
     count_core_q  <= count_core_i;
@@ -201,6 +208,7 @@ module ti_engine #(
       .line_rsp_ready_o(line_rsp_ready),
       .line_rsp_data_i (line_rsp),
       .count_run_i     (count_run_q),
+      .snapshot_i      (snapshot_q),
       .count_unit_i    (count_unit_q),
       .count_event_i   (count_event_q),
       .count_o         (core_count[c])
@@ -250,10 +258,11 @@ module ti_engine #(
       ) u_counters (
         .clk_i,
         .rst_ni,
-        .run_i   (count_run_q),
-        .events_i(l2_events[b]),
-        .index_i (count_event_q),
-        .count_o (counts[b])
+        .run_i     (count_run_q),
+        .snapshot_i(snapshot_q),
+        .events_i  (l2_events[b]),
+        .index_i   (count_event_q),
+        .count_o   (counts[b])
       );
     end
     ti_counters #(
@@ -261,10 +270,11 @@ module ti_engine #(
     ) u_axi_counters (
       .clk_i,
       .rst_ni,
-      .run_i   (count_run_q),
-      .events_i(axi_events),
-      .index_i (count_event_q),
-      .count_o (counts[ti_mem_pkg::NumBanks])
+      .run_i     (count_run_q),
+      .snapshot_i(snapshot_q),
+      .events_i  (axi_events),
+      .index_i   (count_event_q),
+      .count_o   (counts[ti_mem_pkg::NumBanks])
     );
     logic [BankIndexWidth-1:0] memory_unit;
     assign memory_unit = BankIndexWidth'(32'(count_unit_q2) - ti_count_pkg::UnitTrvL2);

@@ -41,8 +41,9 @@ def test_registers_see_the_reset_as_the_configuration_says(tmp_path, sync_reset,
     assert good, text[-2000:]
 
 
-def test_engine_is_clean(tmp_path):
-    done = check(tmp_path, "--quick", "--unit", "ti_engine")
+def test_top_is_clean(tmp_path):
+    """The engine in it too."""
+    done = check(tmp_path, "--quick", "--unit", "ti_top")
     assert done.returncode == 0, done.stdout
 
 

@@ -13,6 +13,7 @@ class Counters:
         self._dut = dut
         self.num = int(dut.Num.value)
         self.built = configuration()["counters"]
+        self.snapshots = configuration()["counter_snapshot"]
 
     async def cycle(self, events=0, run=1):
         """One cycle with these events."""
@@ -28,7 +29,16 @@ class Counters:
         await RisingEdge(self._dut.clk_i)
         return count
 
+    async def snapshot(self, events=0):
+        """One cycle with these events, in which the second rank is filled."""
+        self._dut.snapshot_i.value = 1
+        await self.cycle(events)
+        self._dut.snapshot_i.value = 0
+
     async def all(self):
+        """All counts as they are, or of a snapshot taken now."""
+        if self.snapshots:
+            await self.snapshot()
         return [await self.read(index) for index in range(self.num)]
 
     def of(self, counts):
@@ -79,6 +89,7 @@ async def an_index_beyond_the_last_reads_zero(dut):
     counters = Counters(dut)
     for _ in range(10):
         await counters.cycle((1 << counters.num) - 1)
+    await counters.all()
     beyond = range(counters.num, 1 << payloads().width("event_index_t"))
     assert len(beyond) > 0
     assert [await counters.read(index) for index in beyond] == [0] * len(beyond)
@@ -91,6 +102,7 @@ async def a_count_comes_one_cycle_after_its_index_every_cycle(dut):
     for event in range(counters.num):
         for _ in range(event + 1):
             await counters.cycle(1 << event)
+    await counters.all()
     before = None
     for _ in range(100):
         index = rng.randrange(counters.num)
@@ -100,6 +112,24 @@ async def a_count_comes_one_cycle_after_its_index_every_cycle(dut):
             assert int(dut.count_o.value) == counters.of(range(1, counters.num + 1))[before]
         await RisingEdge(dut.clk_i)
         before = index
+
+
+@cocotb.test()
+async def what_is_read_is_of_the_last_snapshot_or_of_now(dut):
+    rng = await start(dut)
+    counters = Counters(dut)
+    count, shown = [0] * counters.num, [0] * counters.num
+    for _ in range(300):
+        events = rng.getrandbits(counters.num)
+        if rng.random() < 0.1:
+            shown = list(count)  # without the events of its own cycle
+            await counters.snapshot(events)
+        else:
+            await counters.cycle(events)
+        count = [number + (events >> i & 1) for i, number in enumerate(count)]
+        index = rng.randrange(counters.num)
+        want = shown if counters.snapshots else count
+        assert await counters.read(index) == counters.of(want)[index]
 
 
 @cocotb.test()
@@ -114,7 +144,9 @@ async def starts_at_zero_after_reset(dut):
 
 
 @pytest.mark.parametrize(
-    ("num", "built"), [(1, 1), (11, 1), (5, 0)], ids=["one", "eleven", "not built"]
+    ("num", "keys"),
+    [(1, ""), (11, ""), (5, "counters=0"), (11, "counter_snapshot=1")],
+    ids=["one", "eleven", "not built", "snapshot"],
 )
-def test_ti_counters(num, built):
-    run("ti_counters", "test_ti_counters", config=f"tiny counters={built}", Num=num)
+def test_ti_counters(num, keys):
+    run("ti_counters", "test_ti_counters", config=f"tiny {keys}".strip(), Num=num)
