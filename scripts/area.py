@@ -124,7 +124,7 @@ class Area(Synthesis):
         else:
             liberty, steps = silicon.library(part, self.work)
             commands += [f"synth -top {top} -run begin:fine", *CUT_RAMS]
-            commands += [f"synth -top {top} -run fine:check", *steps]
+            commands += [f"synth -noabc -top {top} -run fine:check", *steps]
             stat = f"stat -json -liberty {liberty}"
         stat = f"tee -q -o {{out}} {stat}"
         found = self.result(f"{top}.{part}", f"{top}.{part}.json", *commands, stat)["modules"]
