@@ -83,8 +83,8 @@ engine = $(word 2,$(folders))
 
 # What an engine needs beside the program: the RTL is a library for a configuration.
 ti := build/sw/ti
-library = $(if $(filter rtl,$(1)),engine)
-rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)
+library = $(if $(filter rtl,$(1)),engine)$(if $(filter top,$(1)),top-engine)
+rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)$(if $(filter top,$(1)),--rtl $(engine)/top/libti_rtl.so)
 # Scenes that are made when they are asked for: made NAMES are their files.
 knot := build/scenes/knot.ply
 gallery_names := cornell_glass pavilion still_life windmill
@@ -96,7 +96,7 @@ scene = "$$(scripts/scene.sh file $(call q,SCENE))"
 # What a run is called: cornell-small, cornell-small-num_trv-2-model.
 scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
 run_name = $(scene_name)$(if $(filter-out rtl,$(ENGINE)),-$(ENGINE))
-common_args = --config $(config)/config.json --engine $(ENGINE) --scene $(scene) \
+common_args = --config $(config)/config.json --engine $(ENGINE:top=rtl) --scene $(scene) \
   $(call rtl,$(ENGINE)) $(call opt,--waves,RAY_WAVES) $(call opt,--seed,SEED) $(call opt,--image,IMAGE) $(call opt,--log-ray,LOG_RAY) \
   $(memory)
 picture_args = --size $(call q,SIZE) --spp $(call q,SPP) --effects $(call q,EFFECTS) --bounces $(call q,BOUNCES) \
@@ -226,6 +226,12 @@ engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram) ## The
 	@[[ ! -d build/dram/dramsim3 ]] || scripts/build_dram.sh $(MAKE) libti_dram.a
 	@scripts/build_engine.sh $(engine) $(MAKE) what=$(notdir $(config)) $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
 
+# The same behind registers and streams, driven as a host drives a board.
+top-engine: config build/sw/libti_sw.a $(if $(filter dram,$(value MEM)),dram)
+	@mkdir -p $(engine)/top
+	@[[ ! -d build/dram/dramsim3 ]] || scripts/build_dram.sh $(MAKE) libti_dram.a
+	@scripts/build_engine.sh $(engine)/top $(MAKE) top=ti_top config=$(engine)/config what="$(notdir $(config)), ti_top" $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
+
 config: build/setup.stamp ## Files of CONFIG= for RTL, C++ and programs, checked (SET=), in build/config
 	@$(if $(folders),$(if $(filter config,$(MAKECMDGOALS)),echo $(config),true),exit 2)
 
@@ -308,8 +314,8 @@ need-%:
 	@[[ -n $(call q,$*) ]] || { echo "make $(firstword $(MAKECMDGOALS)): $*= is missing; 'make help' says what it is" >&2; exit 2; }
 
 check-engine:
-	@[[ " rtl model embree " == *" "$(call q,ENGINE)" "* ]] || \
-	  { echo ENGINE=$(call q,ENGINE)": no such engine; there are rtl, model and embree" >&2; exit 2; }
+	@[[ " rtl top model embree " == *" "$(call q,ENGINE)" "* ]] || \
+	  { echo ENGINE=$(call q,ENGINE)": no such engine; there are rtl, top, model and embree" >&2; exit 2; }
 
 check-mem:
 	@[[ $(call q,MEM) =~ ^(|ideal|fixed|dram|[^,]+,[^,]+)$$ ]] || \
@@ -350,5 +356,5 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine top-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
   effects-table second-opinion convergence format certify fp-volume tree-table registers ip setup clean help dram check-engine check-mem check-unit check-format model sanitized

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <vector>
 
-#include "Vti_engine.h"
 #include "engine/counts.hpp"
 #include "ti_config.hpp"
 #include "ti_counters.hpp"
@@ -17,22 +17,15 @@ namespace ti::sim {
 /// cores.
 class Counters {
  public:
-  /// Stops the counters, and reads them through the index ports; `step` runs a cycle.
-  template <typename Step>
-  Counters(Vti_engine& top, Step step) {
-    constexpr int kReadLatency = 2;  // cycles from an index to its value, as the engine promises
-    top.count_run_i = 0;
+  /// `read` gives a counter by core, unit and event.
+  template <typename Read>
+  explicit Counters(Read read) {
     for (const config::CountedUnit& kind : config::kCountedUnits) {
       auto& sums = sums_.emplace_back(kind.events.size(), 0);
       for (int core = 0; core < config::kCores; ++core) {
         for (int unit = kind.first; unit < kind.first + kind.count; ++unit) {
-          for (std::size_t event = 0; event < kind.events.size(); ++event) {
-            top.count_core_i = static_cast<decltype(+top.count_core_i)>(core);
-            top.count_unit_i = static_cast<decltype(+top.count_unit_i)>(unit);
-            top.count_event_i = static_cast<decltype(+top.count_event_i)>(event);
-            for (int i = 0; i < kReadLatency; ++i) step();
-            sums[event] += top.count_o;
-          }
+          for (std::size_t event = 0; event < kind.events.size(); ++event)
+            sums[event] += read(core, unit, static_cast<int>(event));
         }
       }
     }
@@ -67,6 +60,30 @@ class Counters {
       units.push_back(unit);
     }
     return units;
+  }
+
+  /// Work, caches and activities of `counts`, which has its machine.
+  void add_to(Counts& counts) const {
+    Work& work = counts.work;
+    work.steps = sum("trv", "steps");
+    work.leaves = sum("trv", "leaves");
+    work.full_leaves = sum("trv", "full_leaves");
+    work.restarts = sum("trv", "restarts") + sum("trv", "restarts_after_tests");
+    work.a_tests = sum("ist1", "a_passes");
+    work.b_tests = sum("ist1", "b_passes");
+    work.c_tests = sum("ist2", "c_passes");
+    MachineCounts& machine = *counts.machine;
+    for (const char* unit : {"trv", "list", "ist1"}) {
+      machine.caches.push_back({std::string(unit) + "_l1", sum(unit, "l1_accesses"),
+                                sum(unit, "l1_hits"), sum(unit, "l1_merged"),
+                                sum(unit, "l1_misses")});
+    }
+    for (const char* unit : {"trv_l2", "list_l2", "ist1_l2"}) {
+      if (units(unit) == 0) continue;
+      machine.caches.push_back({unit, sum(unit, "accesses"), sum(unit, "hits"), sum(unit, "merged"),
+                                sum(unit, "misses")});
+    }
+    machine.units = units();
   }
 
   Counters& operator+=(const Counters& other) {

@@ -38,7 +38,7 @@ void set_bit(Port& port, int index, bool value) {
 }
 
 /// One cycle.
-inline void step(Vti_engine& top, Waves& waves) {
+inline void step(Vti_engine& top, Waves<Vti_engine>& waves) {
   for (const std::uint8_t clock : {0, 1}) {
     top.clk_i = clock;
     top.eval();
@@ -47,7 +47,7 @@ inline void step(Vti_engine& top, Waves& waves) {
 }
 
 /// All inputs are as if nobody were there; the scene is not set.
-inline void reset(Vti_engine& top, Waves& waves) {
+inline void reset(Vti_engine& top, Waves<Vti_engine>& waves) {
   top.flush_i = 0;
   top.ray_valid_i = 0;
   top.hit_ready_i = 0;

@@ -17,6 +17,7 @@
 #include "engine/engine.hpp"
 #include "make_memory.hpp"
 #include "memory.hpp"
+#include "patience.hpp"
 #include "ports.hpp"
 #include "ti_config.hpp"
 #include "verilated.h"
@@ -31,24 +32,13 @@ using sim::set_bit;
 /// Cycles in which nothing may come after the last ray.
 constexpr int kSilence = 256;
 
-/// Cycles without a ray in or out or an answer of the memory after which the rays inside count as
-/// lost: a ray that finds all its nodes in the caches shows nothing until the watchdog ends it.
-[[nodiscard]] std::uint64_t patience(const RtlOptions& options) {
-  constexpr double kCyclesPerStep = 256.0;
-  const double quiet = 100'000.0 + kCyclesPerStep * config::kWatchdogSteps +
-                       2.0 * options.memory_latency +
-                       2.0 * config::kLineBytes / options.memory_bytes_per_cycle;
-  const double share = options.stall_seed != 0 ? options.stall_share : 0.0;
-  return static_cast<std::uint64_t>(quiet / (1.0 - share));
-}
-
 /// The machine with its memory. `cycle_` counts the cycles in which rays were inside.
 class RtlEngine final : public Engine {
  public:
   RtlEngine(const Image& image, const RtlOptions& options)
       : image_(image),
         options_(options),
-        patience_(patience(options)),
+        patience_(sim::patience(options)),
         random_(options.stall_seed) {
     constexpr int kAddrBits = config::kAddrBits;
     const std::uint64_t end = Memory::kBase + image.bytes().size();
@@ -104,14 +94,14 @@ class RtlEngine final : public Engine {
     waves_.close();
     top_.reset();
     context_ = std::make_unique<VerilatedContext>();
-    sim::Waves::prepare(*context_);
+    sim::Waves<Vti_engine>::prepare(*context_);
     start_log();
     // With stalls, registers without a reset begin with random values, so that a missing one shows.
     context_->randReset(options_.stall_seed != 0 ? 2 : 0);
     context_->randSeed(static_cast<int>(options_.stall_seed & 0x7fffffffU));
     top_ = std::make_unique<Vti_engine>(context_.get());
     if (!options_.waves_file.empty()) waves_.open(*top_, options_.waves_file);
-    memory_ = sim::make_memory(image_, options_);
+    memory_ = sim::make_memory(image_.bytes(), options_);
     sim::reset(*top_, waves_);
     sim::set_scene(*top_, image_);
     dealt_ = {};
@@ -261,7 +251,15 @@ class RtlEngine final : public Engine {
 
   /// The counters of the machine since its reset, added to those of machines given up before.
   [[nodiscard]] sim::Counters snapshot() {
-    sim::Counters counters(*top_, [this] { sim::step(*top_, waves_); });
+    constexpr int kReadLatency = 2;  // cycles from an index to its value, as the engine promises
+    top_->count_run_i = 0;
+    sim::Counters counters([this](int core, int unit, int event) {
+      top_->count_core_i = static_cast<decltype(+top_->count_core_i)>(core);
+      top_->count_unit_i = static_cast<decltype(+top_->count_unit_i)>(unit);
+      top_->count_event_i = static_cast<decltype(+top_->count_event_i)>(event);
+      for (int i = 0; i < kReadLatency; ++i) sim::step(*top_, waves_);
+      return std::uint64_t{top_->count_o};
+    });
     if (before_) counters += *before_;
     return counters;
   }
@@ -277,7 +275,7 @@ class RtlEngine final : public Engine {
   std::uint64_t patience_;
   std::mt19937_64 random_;
   std::unique_ptr<VerilatedContext> context_;
-  sim::Waves waves_;
+  sim::Waves<Vti_engine> waves_;
   std::unique_ptr<Vti_engine> top_;
   std::unique_ptr<Memory> memory_;
 
@@ -300,32 +298,12 @@ class RtlEngine final : public Engine {
 
 /// Reads all counters: not while rays are inside, as the machine runs on meanwhile.
 Counts RtlEngine::counts() {
-  const sim::Counters counters = snapshot();
   Counts counts = counts_;
-  Work& work = counts.work;
-  work.steps = counters.sum("trv", "steps");
-  work.leaves = counters.sum("trv", "leaves");
-  work.full_leaves = counters.sum("trv", "full_leaves");
-  work.restarts = counters.sum("trv", "restarts") + counters.sum("trv", "restarts_after_tests");
-  work.a_tests = counters.sum("ist1", "a_passes");
-  work.b_tests = counters.sum("ist1", "b_passes");
-  work.c_tests = counters.sum("ist2", "c_passes");
-
   MachineCounts& machine = counts.machine.emplace();
   machine.cycles = cycle_;
   machine.memory_bytes = bytes_before_ + memory_->bytes();
   machine.dram = dram();
-  for (const char* unit : {"trv", "list", "ist1"}) {
-    machine.caches.push_back({fmt::format("{}_l1", unit), counters.sum(unit, "l1_accesses"),
-                              counters.sum(unit, "l1_hits"), counters.sum(unit, "l1_merged"),
-                              counters.sum(unit, "l1_misses")});
-  }
-  for (const char* unit : {"trv_l2", "list_l2", "ist1_l2"}) {
-    if (counters.units(unit) == 0) continue;
-    machine.caches.push_back({unit, counters.sum(unit, "accesses"), counters.sum(unit, "hits"),
-                              counters.sum(unit, "merged"), counters.sum(unit, "misses")});
-  }
-  machine.units = counters.units();
+  snapshot().add_to(counts);
   return counts;
 }
 

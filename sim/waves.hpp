@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "Vti_engine.h"
 #include "base/error.hpp"
 #include "verilated.h"
 #ifdef TI_WAVES
@@ -14,7 +13,8 @@
 namespace ti::sim {
 
 /// The dump of a machine as FST: every signal, at both edges of each cycle, 10 ns apart. Only a
-/// library that was built with `waves=1` can write one.
+/// library that was built with `waves=1` can write one. `Top` is the machine under Verilator.
+template <typename Top>
 class Waves {
  public:
 #ifdef TI_WAVES
@@ -23,7 +23,7 @@ class Waves {
   /// Before the machine is made.
   static void prepare(VerilatedContext& context) { context.traceEverOn(true); }
 
-  void open(Vti_engine& top, const std::filesystem::path& file) {
+  void open(Top& top, const std::filesystem::path& file) {
     constexpr int kAllLevels = 99;
     dump_ = std::make_unique<VerilatedFstC>();
     top.trace(dump_.get(), kAllLevels);
@@ -48,7 +48,7 @@ class Waves {
   static constexpr bool kBuilt = false;
 
   static void prepare(VerilatedContext&) {}
-  void open(Vti_engine&, const std::filesystem::path&) {
+  void open(Top&, const std::filesystem::path&) {
     throw Error("this library of the RTL was built without waves: give WAVES=1");
   }
   void sample() {}
