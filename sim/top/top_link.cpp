@@ -123,7 +123,8 @@ void TopLink::cycle() {
 
 void TopLink::check(std::uint32_t address, std::uint32_t response) const {
   if (response != 0)
-    throw Error(fmt::format("register {:02x}: the bus answers with error {}", address, response));
+    throw Error(fmt::format("register {:02x}: the bus answers with error {}, there is none",
+                            address, response));
 }
 
 std::uint32_t TopLink::read(std::uint32_t address) {
@@ -177,7 +178,8 @@ void TopLink::write(std::uint32_t address, std::uint32_t value) {
 void TopLink::store(std::uint64_t address, std::span<const std::uint8_t> bytes) {
   const std::uint64_t at = address - Memory::kBase;
   if (address < Memory::kBase || at + bytes.size() > bytes_.size())
-    throw Error(fmt::format("there is no memory for {} bytes at {:x}", bytes.size(), address));
+    throw Error(fmt::format("there is no memory for {} bytes at {:x}, as it was made for one image",
+                            bytes.size(), address));
   std::copy(bytes.begin(), bytes.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
@@ -192,7 +194,8 @@ void TopLink::exchange(std::span<host::Packet> packets) {
   }
   const std::uint64_t patience = sim::patience(options_);
   for (std::uint64_t quiet = 0; missing != 0; ++quiet, ++cycles_) {
-    if (quiet >= patience) throw Error(fmt::format("{} cycles without a hit", quiet));
+    if (quiet >= patience)
+      throw Error(fmt::format("{} cycles without a hit, the engine hangs", quiet));
     for (std::size_t s = 0; s < packets.size(); ++s) {
       const int stream = static_cast<int>(s);
       host::Packet& packet = packets[s];

@@ -26,7 +26,7 @@ constexpr std::uint32_t field(std::uint32_t word, std::uint32_t mask, int low) {
 Device::Device(Link& link) : link_(link) {
   const std::uint32_t id = link_.read(at(offsetof(ti_regs_t, ID)));
   if (id != TI_REGS__ID__VALUE_reset)
-    throw Error(fmt::format("there is no ti_top here: register ID is {:08x}", id));
+    throw Error(fmt::format("there is no ti_top here, register ID is {:08x}", id));
   const std::uint32_t version = link_.read(at(offsetof(ti_regs_t, VERSION)));
   const std::uint32_t major =
       field(version, TI_REGS__VERSION__MAJOR_bm, TI_REGS__VERSION__MAJOR_bp);
@@ -118,7 +118,7 @@ std::vector<HitBits> Device::trace(std::span<const Ray> rays) {
     for (const Beat& beat : packets[s].hits) {
       const std::size_t place = s * part + beat[0];
       if (beat[0] >= packets[s].rays.size() || came[place])
-        throw Error(fmt::format("stream {}: a hit of ray {} that nobody waits for", s, beat[0]));
+        throw Error(fmt::format("stream {}: a hit of ray {}, which nobody waits for", s, beat[0]));
       came[place] = true;
       hits[place] = {.t = beat[2],
                      .u = beat[3],
@@ -128,8 +128,8 @@ std::vector<HitBits> Device::trace(std::span<const Ray> rays) {
                      .steps = static_cast<std::uint16_t>(beat[6])};
     }
     if (packets[s].hits.size() != packets[s].rays.size()) {
-      throw Error(fmt::format("stream {}: {} of {} hits came", s, packets[s].hits.size(),
-                              packets[s].rays.size()));
+      throw Error(fmt::format("stream {}: {} of {} hits came, the engine has lost rays", s,
+                              packets[s].hits.size(), packets[s].rays.size()));
     }
   }
   return hits;
@@ -161,7 +161,7 @@ void Device::wait(std::uint32_t address, std::uint32_t mask, std::uint32_t value
   for (int i = 0; i < kPatience; ++i) {
     if ((link_.read(address) & mask) == value) return;
   }
-  throw Error(fmt::format("the engine does not come to rest: register {:02x}", address));
+  throw Error(fmt::format("the engine does not come to rest, as register {:02x} says", address));
 }
 
 }  // namespace ti::host
