@@ -62,8 +62,10 @@ def ports_of_xml(component):
 
 
 def ports_of_verilog(folder):
-    """The same, as the compiler slang reads the wrapper."""
-    tree = pyslang.syntax.SyntaxTree.fromFile(str(folder / "ti_top_wrapper.v"))
+    """The same, as the compiler slang reads the wrapper, in Verilog-2001."""
+    source = '`begin_keywords "1364-2001"\n' + (folder / "ti_top_wrapper.v").read_text()
+    tree = pyslang.syntax.SyntaxTree.fromText(source)
+    assert list(tree.diagnostics) == []
     compilation = pyslang.ast.Compilation()
     compilation.addSyntaxTree(tree)
     (top,) = compilation.getRoot().topInstances
