@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Through registers, streams and the driver come the hits and pictures of the engine, bit for bit."""
+"""Through registers, streams and the driver come the engine's hits and pictures, bit for bit."""
 
 import configure
 import pytest
