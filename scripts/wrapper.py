@@ -3,8 +3,8 @@
 
 `ti_top_wrapper.v` is `ti_top` with a set of scalar ports for each core (`m00_axi_*`) and stream
 (`s00_axis_ray_*`, `m00_axis_hit_*`); `component.xml` (IEEE 1685-2014) names its bus interfaces.
-The sources, those of the configuration too, are copied to `src` beside them, in the order of
-`rtl/ti.f`, so that the folder needs nothing else.
+The sources, those of the configuration too, are copied to `src` beside them, and
+`ti_top_wrapper.f` lists them in the order of `rtl/ti.f`, so that the folder needs nothing else.
 
 Usage: scripts/wrapper.py NAME_OR_PATH [KEY=VALUE ...] --out DIR
 """
@@ -270,6 +270,8 @@ def write(configuration: configure.Configuration, out: Path) -> None:
         (out / "src" / name).write_text(text)
     (out / f"{NAME}.v").write_text(verilog(configuration.name, configuration.machine, all_buses))
     files = [*(f"src/{name}" for name in texts), f"{NAME}.v"]
+    listed = [path for path in files if not path.endswith(".svh")]
+    (out / f"{NAME}.f").write_text("\n".join(["+incdir+src", *listed]) + "\n")
     (out / "component.xml").write_text(component(configuration.name, config, all_buses, files))
 
 
