@@ -260,6 +260,8 @@ module ti_fp_rcp #(
           for (int unsigned k = 1; k < Radix; k++) begin
             if (k % 2 == 0) multiples[k] = multiples[k/2] << 1;
             else if (i != 0) multiples[k] = multiples_q[Before][k];
+            else if (k == 7)
+              multiples[k] = (TrialBits'(shift_sig_q) << 3) - TrialBits'(shift_sig_q);
             else multiples[k] = multiples[k-1] + TrialBits'(shift_sig_q);
             if (k % 2 != 0) multiples_q[i][k] <= multiples[k];
             trial = TrialBits'({remainder, {BitsPerStage{1'b0}}}) - multiples[k];
