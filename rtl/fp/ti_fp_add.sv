@@ -145,7 +145,7 @@ module ti_fp_add #(
   logic [ExpBits-1:0] count_exp_q;
   side_t count_side_q;
 
-  logic [3:0] scale_top_q;
+  logic [2:0] scale_top_q;
   logic [SumBits-1:0] scale_sum_q;
   logic [WideExpBits-1:0] scale_exp_q;
   side_t scale_side_q;
@@ -166,7 +166,7 @@ module ti_fp_add #(
     automatic logic [SumBits-1:0] base, addend, sum, left, limit;
     automatic logic [4*NumGroups-1:0] groups;
     automatic logic [GroupBits-1:0] group;
-    automatic logic [3:0] top;
+    automatic logic [2:0] top;
     automatic logic [1:0] count;
     automatic logic [WideExpBits-1:0] wide_exp;
     automatic logic normal, up;
@@ -328,7 +328,7 @@ module ti_fp_add #(
           wide_exp = WideExpBits'(exponent) + WideExpBits'(1) - WideExpBits'({group, 2'b00});
           limit = (sum | limit) << {group, 2'b00};
           sum = sum << {group, 2'b00};
-          top = limit[SumBits-1-:4];
+          top = limit[SumBits-1-:3];
           scale_top_q  <= top;
           scale_sum_q  <= sum;
           scale_exp_q  <= wide_exp;
@@ -343,7 +343,7 @@ module ti_fp_add #(
             wide_exp = scale_exp_q;
             side = scale_side_q;
           end
-          count = {!top[3] && !top[2], !top[3] && (top[2] || !top[1])};
+          count = {!top[2] && !top[1], !top[2] && (top[1] || !top[0])};
           left = sum << count;
           wide_exp = wide_exp - WideExpBits'(count);
           normal = left[SumBits-1] && !(Flush && (wide_exp[WideExpBits-1] || wide_exp == '0));

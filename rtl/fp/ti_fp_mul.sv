@@ -162,14 +162,13 @@ module ti_fp_mul #(
     automatic logic [FracBits-1:0] frac_a, frac_b;
     automatic logic max_a, max_b, zero_a, zero_b;
     automatic logic [SigBits-1:0] sig_a, sig_b, limit, left;
-    automatic logic [2*LowBits-1:0] part_low;
-    automatic logic [SigBits-1:0] part_cross[2];
-    automatic logic [2*HighBits-1:0] part_high;
+    automatic logic [LowBits-1:0] low_a, low_b;
+    automatic logic [HighBits-1:0] high_a, high_b;
     automatic logic [SigBits+LowBits-1:0] low;
     automatic logic [SigBits+HighBits-1:0] high;
     automatic logic [4*NumGroups-1:0] groups;
     automatic logic [GroupBits-1:0] group;
-    automatic logic [3:0] first;
+    automatic logic [2:0] first;
     automatic logic [SumExpBits-1:0] exponent, less, distance;
     automatic logic [ShiftBits-1:0] places;
     automatic logic [ ProdBits-1:0] product;
@@ -226,11 +225,12 @@ module ti_fp_mul #(
           limit = {1'b1, {(SigBits - 1) {1'b0}}} >> distance;
           left = left | limit;
           if (QuartersLatency != 0) begin
-            quarters_low_q <= (2 * LowBits)'(sig_a[LowBits-1:0]) * (2 * LowBits)'(sig_b[LowBits-1:0]);
-            quarters_cross_q[0] <= SigBits'(sig_a[SigBits-1:LowBits]) * SigBits'(sig_b[LowBits-1:0]);
-            quarters_cross_q[1] <= SigBits'(sig_a[LowBits-1:0]) * SigBits'(sig_b[SigBits-1:LowBits]);
-            quarters_high_q <= (2 * HighBits)'(sig_a[SigBits-1:LowBits])
-                * (2 * HighBits)'(sig_b[SigBits-1:LowBits]);
+            {high_a, low_a} = sig_a;
+            {high_b, low_b} = sig_b;
+            quarters_low_q <= (2 * LowBits)'(low_a) * (2 * LowBits)'(low_b);
+            quarters_cross_q[0] <= SigBits'(high_a) * SigBits'(low_b);
+            quarters_cross_q[1] <= SigBits'(low_a) * SigBits'(high_b);
+            quarters_high_q <= (2 * HighBits)'(high_a) * (2 * HighBits)'(high_b);
           end
           quarters_a_q <= sig_a;
           quarters_b_q <= sig_b;
@@ -287,9 +287,9 @@ module ti_fp_mul #(
           distance = SumExpBits'(1) - exponent;
           groups = (4 * NumGroups)'(left) << (4 * NumGroups - SigBits);
           groups = groups << {group, 2'b00};
-          first = groups[4*NumGroups-1-:4];
+          first = groups[4*NumGroups-1-:3];
           places = ShiftBits'({
-            group, !first[3] && !first[2], !first[3] && (first[2] || !first[1])
+            group, !first[2] && !first[1], !first[2] && (first[1] || !first[0])
           }) & {ShiftBits{counts}};
           exponent = right ? '0 : exponent - SumExpBits'(places);
           if (right) begin

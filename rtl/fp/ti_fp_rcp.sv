@@ -161,7 +161,7 @@ module ti_fp_rcp #(
     automatic logic [SigBits-1:0] sig;
     automatic logic [4*NumGroups-1:0] groups;
     automatic logic [GroupBits-1:0] group;
-    automatic logic [3:0] first;
+    automatic logic [2:0] first;
     automatic logic [1:0] count;
     automatic logic one;
 
@@ -219,8 +219,8 @@ module ti_fp_rcp #(
           side = scale_side_q;
         end
         groups = (4 * NumGroups)'(sig) << (4 * NumGroups - SigBits);
-        first = groups[4*NumGroups-1-:4];
-        count = {!first[3] && !first[2], !first[3] && (first[2] || !first[1])};
+        first = groups[4*NumGroups-1-:3];
+        count = {!first[2] && !first[1], !first[2] && (first[1] || !first[0])};
         sig = sig << count;
         side.exponent = side.exponent + WideExpBits'(count) + WideExpBits'(one);
         shift_sig_q <= sig;
@@ -260,6 +260,8 @@ module ti_fp_rcp #(
           for (int unsigned k = 1; k < Radix; k++) begin
             if (k % 2 == 0) multiples[k] = multiples[k/2] << 1;
             else if (i != 0) multiples[k] = multiples_q[Before][k];
+            else if (k == 7)
+              multiples[k] = (TrialBits'(shift_sig_q) << 3) - TrialBits'(shift_sig_q);
             else multiples[k] = multiples[k-1] + TrialBits'(shift_sig_q);
             if (k % 2 != 0) multiples_q[i][k] <= multiples[k];
             trial = TrialBits'({remainder, {BitsPerStage{1'b0}}}) - multiples[k];

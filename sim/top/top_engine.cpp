@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/error.hpp"
 #include "counters.hpp"
 #include "engine/engine.hpp"
 #include "host/device.hpp"
@@ -95,6 +96,8 @@ class TopEngine final : public Engine {
 };
 
 Engine* make_engine(const Image& image, const RtlOptions& options) {
+  if (options.log_ray)
+    throw Error("LOG_RAY=: rays have other numbers behind streams; give ENGINE=rtl");
   return new TopEngine(image, options);
 }
 

@@ -216,8 +216,7 @@ class Top:
 
 async def begin(dut, stall=0.0):
     """A reset top, its host; the streams run at other clocks where they have their own."""
-    for log in ("cocotb." + dut._name, "cocotb"):
-        logging.getLogger(log).setLevel(logging.WARNING)
+    logging.getLogger(f"cocotb.{dut._name}").setLevel(logging.WARNING)  # not each beat of a bus
     rng = random.Random(cocotb.RANDOM_SEED)
     Clock(dut.aclk, PERIOD_NS, unit="ns").start()
     if configuration()["stream_clock"] == "own":

@@ -58,3 +58,13 @@ def test_a_library_of_another_configuration_is_refused(top, tiny_with, out):
     other = Program(configure.load("tiny", ["stack_depth=2"]).folder.name)
     make("config", CONFIG="tiny", SET="stack_depth=2")
     top.trace(out, CORNELL, "random:10", config=other.config).refused("stack_depth 4 and not 2")
+
+
+def test_what_it_has_not_is_refused(top, out):
+    top.trace(out, CORNELL, "random:10", "--log-ray", 3).refused("LOG_RAY=", "ENGINE=rtl")
+
+
+@pytest.mark.parametrize("command", ["hardcases", "hardcase ID=1"])
+def test_hard_cases_are_of_the_engine_itself(command):
+    target, *words = command.split()
+    make(target, ENGINE="top", **dict(w.split("=") for w in words)).refused("ENGINE=top")
