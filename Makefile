@@ -46,6 +46,10 @@ RTL ?=
 SCHEDULER ?=
 WAVES ?=
 RUNS ?=
+BOARD ?=
+MODE ?= ooc
+TOP ?=
+SOURCES ?=
 
 SHELL := /bin/bash
 MAKEFLAGS += --no-print-directory
@@ -244,6 +248,21 @@ registers: build/setup.stamp ## What rtl/host/ti_regs.rdl describes: register bl
 ip: config ## CONFIG= as a block for block designs: ti_top_wrapper.v, IP-XACT, all sources (SET= OUT=)
 	@python scripts/wrapper.py --out $(call out,build/ip/$(notdir $(config))) -- $(call q,CONFIG) $(overrides)
 
+vivado: ## CONFIG= by your Vivado, from synthesis to reports (BOARD=arty_a7_100t|kv260|alveo_u55c PART= MODE=ooc|full TOP= SOURCES= SET= OUT=)
+quartus: ## CONFIG= by your Quartus, from synthesis to reports (BOARD=de10_nano PART= MODE=ooc|full TOP= SOURCES= SET= OUT=)
+vivado quartus: need-BOARD config
+	@scripts/vendor.sh $@
+	@python scripts/wrapper.py --out $(block) -- $(call q,CONFIG) $(overrides) >/dev/null
+	@scripts/vendor.sh $@ folder=$(block) out=$(call out,build/$@/$(notdir $(config))-$(call q,BOARD)) \
+	  $(call key,board,BOARD) $(call key,part,PART) $(call key,mode,MODE) $(call key,top,TOP) $(call key,sources,SOURCES)
+block = build/ip/$(notdir $(config))
+# key NAME,VARIABLE: name=value as one word; nothing when it is empty.
+key = $(if $(value $(2)),$(1)=$(call q,$(2)))
+
+crossings: config ## Registers of CONFIG= behind ti_top that look at another clock, each with both (SET=stream_clock=own)
+	@python scripts/wrapper.py --out $(block) -- $(call q,CONFIG) $(overrides) >/dev/null
+	@python scripts/crossings.py $(block)
+
 ##@ Check
 test: build/setup.stamp ## Every check that CI runs (TEST=part_of_a_name for a few)
 	@scripts/test.sh $(call q,TEST)
@@ -361,4 +380,4 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 
 FORCE:
 .PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine top-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
-  effects-table second-opinion convergence format certify fp-volume tree-table registers ip setup clean help dram check-engine no-top check-mem check-unit check-format model sanitized
+  effects-table second-opinion convergence format certify fp-volume tree-table registers ip vivado quartus crossings setup clean help dram check-engine no-top check-mem check-unit check-format model sanitized

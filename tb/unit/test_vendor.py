@@ -317,11 +317,24 @@ def test_bad_arguments_are_told(tool, words, message, core, tmp_path):
     assert message in error and records == []
 
 
-@pytest.mark.parametrize(("tool", "program"), [("vivado", "vivado"), ("quartus", "quartus_sh")])
-def test_a_tool_that_is_missing_is_told_in_a_sentence(tool, program, tmp_path):
-    command = [ROOT / "scripts/vendor.sh", tool, tmp_path]
-    done = subprocess.run(
-        command, env={"PATH": "/usr/bin:/bin"}, capture_output=True, text=True, check=False
-    )
+PROGRAMS = {"vivado": "vivado", "quartus": "quartus_sh"}
+
+
+@pytest.mark.parametrize("tool", PROGRAMS)
+def test_a_tool_that_is_missing_is_told_in_a_sentence(tool):
+    command, path = [ROOT / "scripts/vendor.sh", tool], {"PATH": "/usr/bin:/bin"}
+    done = subprocess.run(command, env=path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
-    assert f"{program} is not on PATH" in done.stderr and done.stderr.count("\n") == 1
+    assert f"{PROGRAMS[tool]} is not on PATH" in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("tool", PROGRAMS)
+def test_a_tool_that_is_there_gets_script_and_arguments(tool, tmp_path):
+    program = tmp_path / PROGRAMS[tool]
+    program.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+    program.chmod(0o755)
+    command = [ROOT / "scripts/vendor.sh", tool, "folder=a b", "board=c"]
+    path = {"PATH": f"{tmp_path}:/usr/bin:/bin"}
+    done = subprocess.run(command, env=path, capture_output=True, text=True, check=True)
+    words = done.stdout.splitlines()
+    assert f"constraints/{tool}/build.tcl" in words and words[-2:] == ["folder=a b", "board=c"]
