@@ -253,6 +253,7 @@ quartus: ## CONFIG= by your Quartus, from synthesis to reports (BOARD=de10_nano 
 vivado quartus: need-BOARD config
 	@scripts/vendor.sh $@
 	@python scripts/wrapper.py --out $(block) -- $(call q,CONFIG) $(overrides) >/dev/null
+	@$(if $(filter quartus,$@),python scripts/plain_verilog.py $(block))
 	@scripts/vendor.sh $@ folder=$(block) out=$(call out,build/$@/$(notdir $(config))-$(call q,BOARD)) \
 	  $(call key,board,BOARD) $(call key,part,PART) $(call key,mode,MODE) $(call key,top,TOP) $(call key,sources,SOURCES)
 block = build/ip/$(notdir $(config))

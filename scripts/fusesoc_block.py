@@ -6,6 +6,7 @@ FuseSoC calls it in an empty folder with a YAML file.  Parameters:
 
   config  a name in configs/ or a file (tiny)
   set     keys of it that change, a list of KEY=VALUE
+  plain   as Verilog-2001 (scripts/plain_verilog.py)
   fmax    place and route these modules behind the build: a list; of part, ecp5-85k
 """
 
@@ -13,9 +14,11 @@ import sys
 from pathlib import Path
 
 import configure
+import plain_verilog
 import wrapper
 import yaml
 from config_schema import ConfigError
+from synthesis import MeasureError
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -28,21 +31,23 @@ def entry(path: str) -> dict:
     return {path: {"file_type": kind}}
 
 
-def main() -> int:
-    task = yaml.safe_load(Path(sys.argv[1]).read_text())
-    parameters = task["parameters"] or {}
-    try:
-        configuration = configure.load(
-            parameters.get("config", "tiny"), [str(word) for word in parameters.get("set", [])]
-        )
-    except ConfigError as error:
-        print(error, file=sys.stderr)
-        return 2
-    here = Path.cwd()
+def files_of(here: Path, configuration: configure.Configuration, plain: bool) -> list[str]:
+    """Write the block; its files, headers first."""
     wrapper.write(configuration, here)
+    if plain:
+        plain_verilog.write(here)
+        return [f"{plain_verilog.PLAIN}.v"]
     headers = [f"src/{path.name}" for path in sorted((here / "src").glob("*.svh"))]
     listed = (here / f"{wrapper.NAME}.f").read_text().split()
-    files = [*headers, *(word for word in listed if not word.startswith("+"))]
+    return [*headers, *(word for word in listed if not word.startswith("+"))]
+
+
+def write(task: dict, here: Path) -> None:
+    """Write the block and its core."""
+    parameters = task["parameters"] or {}
+    overrides = [str(word) for word in parameters.get("set", [])]
+    configuration = configure.load(parameters.get("config", "tiny"), overrides)
+    files = files_of(here, configuration, parameters.get("plain", False))
     core = {
         "name": task["vlnv"],
         "filesets": {"rtl": {"files": [entry(path) for path in files]}},
@@ -58,7 +63,15 @@ def main() -> int:
     # Or a later run would take this one's core for one of the project.
     (here / "FUSESOC_IGNORE").touch()
     name = task["vlnv"].split(":")[2]
-    Path(f"{name}.core").write_text("CAPI=2:\n" + yaml.safe_dump(core, sort_keys=False))
+    (here / f"{name}.core").write_text("CAPI=2:\n" + yaml.safe_dump(core, sort_keys=False))
+
+
+def main() -> int:
+    try:
+        write(yaml.safe_load(Path(sys.argv[1]).read_text()), Path.cwd())
+    except (ConfigError, MeasureError) as error:
+        print(error, file=sys.stderr)
+        return 2
     return 0
 
 

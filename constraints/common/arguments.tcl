@@ -46,9 +46,9 @@ proc ti_board {name tool} {
   return $folder
 }
 
-# Folders of headers and files of a block, as its list has them: {folders files}.
-proc ti_sources {folder} {
-  set file [open [file join $folder ti_top_wrapper.f]]
+# Folders of headers and files of a block, as a list of it has them: {folders files}.
+proc ti_sources {folder list} {
+  set file [open [file join $folder $list]]
   set words [split [string trim [read $file]]]
   close $file
   set folders {}

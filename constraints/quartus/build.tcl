@@ -4,7 +4,7 @@
 #
 #   quartus_sh -t constraints/quartus/build.tcl folder=build/ip/tiny board=de10_nano out=OUT
 #
-#   folder=   what `make ip` wrote
+#   folder=   what `make ip` wrote, and scripts/plain_verilog.py where board.tcl asks for it
 #   board=    a folder beside this one
 #   part=     another part of the same family
 #   out=      folder for the project, reports and summary.json
@@ -22,7 +22,7 @@ if {$option(part) ne ""} {
   set part $option(part)
 }
 set common [file join $ti_constraints common]
-lassign [ti_sources [file normalize $option(folder)]] folders files
+lassign [ti_sources [file normalize $option(folder)] $list] folders files
 foreach file $option(sources) {
   lappend files [file normalize $file]
 }

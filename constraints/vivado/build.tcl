@@ -31,7 +31,7 @@ proc out {name} {
 # --- Sources and constraints of ports ---------------------------------------------------------------
 
 create_project -in_memory -part $part
-lassign [ti_sources $option(folder)] folders files
+lassign [ti_sources $option(folder) ti_top_wrapper.f] folders files
 foreach file [concat $files $option(sources)] {
   if {[file extension $file] eq ".sv"} {
     read_verilog -sv $file

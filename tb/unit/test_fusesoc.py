@@ -5,7 +5,6 @@ import re
 import subprocess
 from pathlib import Path
 
-import pytest
 import yaml
 from agents.bench import ROOT
 
@@ -57,7 +56,7 @@ def test_a_quartus_project_has_files_and_constraints_in_order(tmp_path):
     fusesoc(tmp_path, "quartus", "--setup")
     (project,) = tmp_path.glob("ti*.tcl")
     text = project.read_text()
-    assert names(text, r"-name (?:SYSTEM)?VERILOG_FILE (.*)") == FILES
+    assert names(text, r"-name (?:SYSTEM)?VERILOG_FILE (.*)") == ["ti_top_wrapper_plain.v"]
     read = ["clock.sdc", "quartus_ports.sdc", "quartus_crossings.sdc"]
     assert names(text, r"-name SDC_FILE (.*)") == read
     assert names(text, r"^source (.*)") == ["project.tcl"]
@@ -65,6 +64,5 @@ def test_a_quartus_project_has_files_and_constraints_in_order(tmp_path):
     assert f"-name DEVICE {part}\n" in text
 
 
-@pytest.mark.slow
 def test_the_block_passes_its_smoke_test(tmp_path):
     assert "ti_top_smoke: passed" in fusesoc(tmp_path, "sim")

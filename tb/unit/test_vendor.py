@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import plain_verilog
+import pyslang
 import pytest
 from agents.bench import ROOT
 from elaborated import Block, sources
@@ -63,6 +65,18 @@ def test_the_list_of_a_block_is_that_of_the_rtl(core):
 
 def test_the_engine_has_one_clock(whole):
     assert whole[1].clocks_of_engine() == {"clk_i"}
+
+
+def test_plain_verilog_is_verilog_with_the_same_registers(own):
+    folder, block = own
+    plain_verilog.write(folder)
+    text = (folder / "ti_top_wrapper_plain.v").read_text()
+    tree = pyslang.syntax.SyntaxTree.fromText(f'`begin_keywords "1364-2001"\n{text}')
+    assert [d for d in tree.diagnostics if d.isError()] == []
+    for crossing in block.crossings():
+        register = re.split(r"[.\[]", crossing.end.rpartition("u_")[2])[1]
+        assert re.search(rf"^  reg (\[\d+:0\] )?{register};", text, re.M)
+    assert len(re.findall(r"SYNCHRONIZER_IDENTIFICATION FORCED", text)) == 10
 
 
 def test_one_clock_is_crossed_nowhere(core):
@@ -266,13 +280,13 @@ def test_cores_of_the_largest_part_lie_in_one_die_each(whole, tmp_path):
 
 def test_quartus_reads_all_in_order_and_reports(own, tmp_path):
     folder, block = own
+    plain_verilog.write(folder)
     records, summary = build(Tcl(block, "quartus"), "quartus", folder, tmp_path, "board=de10_nano")
     assignments = [words[1:] for words in of(records, "set_global_assignment")]
-    files = [str(folder / name) for name in sources(folder)[1:]]
+    plain = str(folder / "ti_top_wrapper_plain.v")
     kinds = ["SYSTEMVERILOG_FILE", "VERILOG_FILE"]
-    assert [words[1] for words in assignments if words[0] in kinds] == files
+    assert [words[1] for words in assignments if words[0] in kinds] == [plain]
     assert ["VERILOG_MACRO", "SYNTHESIS=1"] in assignments
-    assert ["SEARCH_PATH", str(folder / "src")] in assignments
     assert ["DEVICE", "5CSEBA6U23I7"] in assignments
     assert ["TOP_LEVEL_ENTITY", "ti_top_wrapper"] in assignments
     read = [Path(words[1]).name for words in assignments if words[0] == "SDC_FILE"]
@@ -287,6 +301,7 @@ def test_quartus_reads_all_in_order_and_reports(own, tmp_path):
 @pytest.mark.parametrize(("tool", "board"), [("vivado", "arty_a7_100t"), ("quartus", "de10_nano")])
 def test_a_top_of_the_board_gets_its_pins(tool, board, core, tmp_path):
     folder, block = core
+    plain_verilog.write(folder)
     words = [f"board={board}", "mode=full", "top=my_top", f"sources={tmp_path / 'my_top.sv'}"]
     records, summary = build(Tcl(block, tool), tool, folder, tmp_path, *words)
     assert summary["top"] == "my_top"
