@@ -11,7 +11,8 @@ set ti_period [get_clock_info -period [get_clocks aclk]]
 
 # With stream_clock=own, each stream has a clock, here as fast as aclk.
 foreach_in_collection port [get_ports -nowarn axis*_aclk] {
-  create_clock -name [get_port_info -name $port] -period $ti_period $port
+  set name [get_port_info -name $port]
+  create_clock -name $name -period $ti_period [get_ports $name]
 }
 
 derive_clock_uncertainty

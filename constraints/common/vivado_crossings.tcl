@@ -15,7 +15,11 @@ if {[llength [get_ports -quiet axis*_aclk]] && (![llength $ti_fifos] || ![llengt
 
 # A path within the period of the faster clock, whatever the phases.
 proc ti_bound {from to} {
-  set period [get_property -min PERIOD [get_clocks -of_objects [concat $from $to]]]
+  set periods {}
+  foreach cells [list $from $to] {
+    lappend periods [get_property -min PERIOD [get_clocks -of_objects $cells]]
+  }
+  set period [lindex [lsort -real $periods] 0]
   set_max_delay -datapath_only $period -from $from -to $to
   return $period
 }

@@ -32,6 +32,6 @@ foreach direction {IN OUT} command {set_input_delay set_output_delay} {
   }
   foreach {clock ports} [array get ti_group] {
     set period [get_property PERIOD [get_clocks $clock]]
-    $command -clock $clock [expr {$TI_IO_SHARE * $period}] $ports
+    $command -clock $clock [expr {$TI_IO_SHARE * $period}] [get_ports $ports]
   }
 }

@@ -25,6 +25,9 @@ proc ti_stand_in {names} {
 
 # Vendors' patterns know * and ?, and take brackets as they are.
 proc ti_match {pattern names} {
+  if {![regexp {[*?]} $pattern]} {
+    return [lsearch -all -inline -exact $names $pattern]
+  }
   set pattern [string map {\\ \\\\ \[ \\\[ \] \\\]} $pattern]
   return [lsearch -all -inline -glob $names $pattern]
 }
