@@ -31,6 +31,7 @@ def functions(folder, overrides):
     flags = re.search(
         r"^VERILATOR_FLAGS := (.*?)\n(?=[A-Z])", (ROOT / "sim/sim.mk").read_text(), re.S | re.M
     )[1]
+    flags = flags.replace("$(top)", "ti_engine")
     words = shlex.split(re.sub(r"\$\(.*\)|\\\n", " ", flags))
     packages = [folder / "ti_config_pkg.sv", folder / "ti_count_pkg.sv"]
     command = [
