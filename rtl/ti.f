@@ -49,6 +49,7 @@ rtl/traverse/kd/ti_kd_step.sv
 rtl/traverse/kd/ti_kd_decide.sv
 rtl/traverse/kd/ti_kd_decide_padded.sv
 rtl/traverse/kd/ti_kd_state.sv
+rtl/traverse/kd/ti_kd_walk.sv
 rtl/traverse/kd/ti_trv.sv
 rtl/traverse/ti_traverse.sv
 rtl/intersect/ti_list.sv

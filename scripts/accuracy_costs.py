@@ -35,14 +35,14 @@ def run(words: list, what: str) -> str:
 
 def latencies(keys: dict) -> dict[str, int]:
     """Cycles from a node to the next, and from a record to the verdict and to the hit."""
-    add, mul = keys["fp_add_stages"], keys["fp_mul_stages"]
+    add, mul, cmp = (keys[f"fp_{name}_stages"] for name in ("add", "mul", "cmp"))
     rcp = configure.reciprocal_stages(keys)
     if keys["triangle_test"] == "woop":
         passes, last = 3 * add + 2 * mul + 2, 3 * mul + 2 * add + rcp + 2
     else:
-        one = (5 if keys["triangle_test"] == "np" else 4) * add + 3 * mul + 2
+        one = (5 if keys["triangle_test"] == "np" else 4) * add + 3 * mul + cmp + 2
         passes, last = 2 * one, rcp + mul + 1
-    return {"step": 2 + add + mul, "test": passes, "hit": passes + last}
+    return {"step": 2 + add + mul + cmp, "test": passes, "hit": passes + last}
 
 
 def triangle_bytes(keys: dict) -> int:

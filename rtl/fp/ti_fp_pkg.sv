@@ -19,6 +19,9 @@ package ti_fp_pkg;
   /// `ti_fp_mul`.
   localparam int unsigned MulLatency = ti_config_pkg::FpMulStages;
 
+  /// From `ti_fp_cmp`, which is combinational, to what is decided by it.
+  localparam int unsigned CmpLatency = ti_config_pkg::FpCmpStages;
+
   /// Quotient bits that `ti_fp_rcp` finds in one stage unless its parameter says otherwise.
   localparam int unsigned RcpBitsPerStage = ti_config_pkg::FpRcpBitsPerStage;
 

@@ -24,7 +24,7 @@
 /// | CMP     | TimeEnd   | mag(limit) + 4 ulp < mag(dett)       | mag(sum) <= mag(det)              |
 /// | CMP     | TimeEnd   | mag(dett) + 4 ulp < mag(nearest)     |                                   |
 ///
-/// What is kept after each pass: `ti_ist1_verdict`.
+/// What is kept after each pass: `ti_ist1_verdict`, `ti_fp_pkg::CmpLatency` after TimeEnd.
 module ti_ist1_pipe #(
   /// Width of what travels along untouched.
   parameter int unsigned TagWidth = 1,
@@ -38,7 +38,8 @@ module ti_ist1_pipe #(
   localparam int unsigned TimeX3 = TimeX2 + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeX4 = TimeX3 + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeEnd = TimeX4 + (Np ? ti_fp_pkg::AddLatency : 0),
-  localparam int unsigned Latency = TimeEnd + 1
+  localparam int unsigned TimeVerdict = TimeEnd + ti_fp_pkg::CmpLatency,
+  localparam int unsigned Latency = TimeVerdict + 1
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -74,12 +75,12 @@ module ti_ist1_pipe #(
   localparam int unsigned M = ti_num_pkg::FracBits;
 
   // Which pass is where.
-  logic [TimeEnd:0] valid_q, pass_b_q;
+  logic [TimeVerdict:0] valid_q, pass_b_q;
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) valid_q <= '0;
-    else valid_q <= {valid_q[TimeEnd-1:0], valid_i};
+    else valid_q <= {valid_q[TimeVerdict-1:0], valid_i};
   end
-  always_ff @(posedge clk_i) pass_b_q <= {pass_b_q[TimeEnd-1:0], pass_b_i};
+  always_ff @(posedge clk_i) pass_b_q <= {pass_b_q[TimeVerdict-1:0], pass_b_i};
 
   // Time 0, components in the order u, v, w.
   ti_pkg::vec3_t o, d;
@@ -552,6 +553,8 @@ module ti_ist1_pipe #(
   ti_ist1_verdict #(
     .IntervalCull(ti_config_pkg::IntervalCull)
   ) u_verdict (
+    .clk_i,
+    .rst_ni,
     .pass_b_i (b_end),
     .x1_i     (x1_end),
     .x2_i     (x2_end),
@@ -562,19 +565,41 @@ module ti_ist1_pipe #(
     .keep_o   (keep)
   );
 
+  typedef struct packed {
+    fp_t                 det;
+    fp_t                 dett;
+    fp_t                 x;
+    fp_t                 y;
+    logic [TagWidth-1:0] tag;
+  } beside_t;
+  beside_t beside;
+  ti_delay #(
+    .payload_t(beside_t),
+    .Cycles   (ti_fp_pkg::CmpLatency)
+  ) u_beside (
+    .clk_i,
+    .rst_ni,
+    .data_i(
+    '{
+        det: b_end ? given_end : x1_end,
+        dett: b_end ? dett_end : x3_end,
+        x: b_end ? x1_end : audet,
+        y: b_end ? x2_end : av_end,
+        tag: tag_end
+    }
+    ),
+    .data_o(beside)
+  );
+
   always_ff @(posedge clk_i) begin
-    if (valid_q[TimeEnd-1]) begin
-      keep_o <= keep;
-      det_o  <= b_end ? given_end : x1_end;
-      dett_o <= b_end ? dett_end : x3_end;
-      x_o    <= b_end ? x1_end : audet;
-      y_o    <= b_end ? x2_end : av_end;
-      tag_o  <= tag_end;
+    if (valid_q[TimeVerdict-1]) begin
+      keep_o                           <= keep;
+      {det_o, dett_o, x_o, y_o, tag_o} <= beside;
     end
   end
 
-  assign valid_o  = valid_q[TimeEnd];
-  assign pass_b_o = pass_b_q[TimeEnd];
+  assign valid_o  = valid_q[TimeVerdict];
+  assign pass_b_o = pass_b_q[TimeVerdict];
 
   `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// Whether a test is kept: the comparisons at the end of passes (a) and (b).  Combinational, 2 CMP; 1 without
-/// `IntervalCull`.
+/// Whether a test is kept: the comparisons at the end of passes (a) and (b).  2 CMP; 1 without `IntervalCull`.
+/// Latency `CmpStages` cycles, all of them in front of the comparisons; combinational where that is 0.
 ///
 /// (a) keeps a test unless det is 0 or not finite, dett is not finite, dett != 0 has the other sign,
 /// |dett| exceeds |limit| by more than `CullUlps`, or |nearest| exceeds |dett| by more than that.
@@ -17,8 +17,13 @@
 /// nor for a tfar in the topmost binade.  Where subnormals are flushed det is normal or 0, and t > tfar is normal.
 /// (b) keeps a test when detu and detv are 0 or have det's sign and |detu + detv| <= |det|.
 module ti_ist1_verdict #(
-  parameter bit IntervalCull = 1'b1
+  parameter bit IntervalCull = 1'b1,
+  /// Register stages in front of the comparisons.
+  parameter int unsigned CmpStages = ti_fp_pkg::CmpLatency
 ) (
+  input logic clk_i,
+  input logic rst_ni,
+
   input  logic        pass_b_i,
   input  ti_pkg::fp_t x1_i,       // (a) det; (b) detu
   input  ti_pkg::fp_t x2_i,       // (b) detv
@@ -36,6 +41,49 @@ module ti_ist1_verdict #(
   // Units in the last place by which the range test of (a) errs on the side of keeping.
   localparam int unsigned CullUlps = ti_fp_pkg::rcp_half_ulps(M) + 3;
 
+  // Moved outward by the guard, up to infinity at most.
+  fp_t x3_size, limit_size, limit_up, x3_up;
+  assign x3_size = {1'b0, x3_i[W-2:0]};
+  assign limit_size = {1'b0, limit_i[W-2:0]};
+  assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
+      limit_size + fp_t'(CullUlps);
+  assign x3_up      = (x3_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
+      x3_size + fp_t'(CullUlps);
+
+  typedef struct packed {
+    logic pass_b;
+    fp_t  x1;
+    fp_t  x2;
+    fp_t  x3;
+    fp_t  given;
+    fp_t  limit;
+    fp_t  nearest;
+    fp_t  limit_up;
+    fp_t  x3_up;
+  } at_t;
+  at_t at;
+  ti_delay #(
+    .payload_t(at_t),
+    .Cycles   (CmpStages)
+  ) u_at (
+    .clk_i,
+    .rst_ni,
+    .data_i(
+    '{
+        pass_b: pass_b_i,
+        x1: x1_i,
+        x2: x2_i,
+        x3: x3_i,
+        given: given_i,
+        limit: limit_i,
+        nearest: nearest_i,
+        limit_up: limit_up,
+        x3_up: x3_up
+    }
+    ),
+    .data_o(at)
+  );
+
   // What kinds of numbers these are.
   logic zero_x1, finite_x1, nan_x1, zero_x2, nan_x2, zero_x3, finite_x3, nan_x3;
   logic normal_tfar, normal_limit;
@@ -43,7 +91,7 @@ module ti_ist1_verdict #(
     .ExpBits (E),
     .FracBits(M)
   ) u_x1_class (
-    .x_i     (x1_i),
+    .x_i     (at.x1),
     .zero_o  (zero_x1),
     .finite_o(finite_x1),
     .normal_o(),
@@ -53,7 +101,7 @@ module ti_ist1_verdict #(
     .ExpBits (E),
     .FracBits(M)
   ) u_x2_class (
-    .x_i     (x2_i),
+    .x_i     (at.x2),
     .zero_o  (zero_x2),
     .finite_o(),
     .normal_o(),
@@ -63,7 +111,7 @@ module ti_ist1_verdict #(
     .ExpBits (E),
     .FracBits(M)
   ) u_x3_class (
-    .x_i     (x3_i),
+    .x_i     (at.x3),
     .zero_o  (zero_x3),
     .finite_o(finite_x3),
     .normal_o(),
@@ -73,7 +121,7 @@ module ti_ist1_verdict #(
     .ExpBits (E),
     .FracBits(M)
   ) u_tfar_class (
-    .x_i     (given_i),
+    .x_i     (at.given),
     .zero_o  (),
     .finite_o(),
     .normal_o(normal_tfar),
@@ -83,7 +131,7 @@ module ti_ist1_verdict #(
     .ExpBits (E),
     .FracBits(M)
   ) u_limit_class (
-    .x_i     (limit_i),
+    .x_i     (at.limit),
     .zero_o  (),
     .finite_o(),
     .normal_o(normal_limit),
@@ -91,40 +139,34 @@ module ti_ist1_verdict #(
   );
 
   // (a) |limit| and CullUlps < |dett|; (b) |detu + detv| <= |det|.
-  fp_t limit_size, limit_up, x3_size;
+  fp_t dett_size;
   logic lt, le, inverse_is_normal, saturates, beyond;
-  assign x3_size = {1'b0, x3_i[W-2:0]};
-  assign limit_size = {1'b0, limit_i[W-2:0]};
-  assign limit_up   = (limit_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
-      limit_size + fp_t'(CullUlps);
+  assign dett_size = {1'b0, at.x3[W-2:0]};
   ti_fp_cmp #(
     .ExpBits (E),
     .FracBits(M)
   ) u_cmp (
-    .a_i(pass_b_i ? x3_size : limit_up),
-    .b_i(pass_b_i ? {1'b0, given_i[W-2:0]} : x3_size),
+    .a_i(at.pass_b ? dett_size : at.limit_up),
+    .b_i(at.pass_b ? {1'b0, at.given[W-2:0]} : dett_size),
     .lt_o(lt),
     .eq_o(),
     .le_o(le),
     .unordered_o()
   );
-  assign inverse_is_normal = x1_i[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
+  assign inverse_is_normal = at.x1[M+:E] <= E'(2 * ti_num_pkg::Bias - 2);
   assign saturates = ti_fp_pkg::TowardZero &&
-      (x1_i[M+:E] == '0 || given_i[M+:E] >= E'(2 * ti_num_pkg::Bias));
+      (at.x1[M+:E] == '0 || at.given[M+:E] >= E'(2 * ti_num_pkg::Bias));
   assign beyond = lt && inverse_is_normal && normal_tfar && normal_limit && !saturates;
 
   // (a) |dett| and CullUlps < |nearest|.
   logic lies_before;
   if (IntervalCull) begin : gen_near
-    fp_t x3_up;
     logic less, normal_nearest;
-    assign x3_up = (x3_size >= ti_num_pkg::Inf - fp_t'(CullUlps)) ? ti_num_pkg::Inf :
-        x3_size + fp_t'(CullUlps);
     ti_fp_class #(
       .ExpBits (E),
       .FracBits(M)
     ) u_nearest_class (
-      .x_i     (nearest_i),
+      .x_i     (at.nearest),
       .zero_o  (),
       .finite_o(),
       .normal_o(normal_nearest),
@@ -134,8 +176,8 @@ module ti_ist1_verdict #(
       .ExpBits (E),
       .FracBits(M)
     ) u_near (
-      .a_i(x3_up),
-      .b_i({1'b0, nearest_i[W-2:0]}),
+      .a_i(at.x3_up),
+      .b_i({1'b0, at.nearest[W-2:0]}),
       .lt_o(less),
       .eq_o(),
       .le_o(),
@@ -144,18 +186,18 @@ module ti_ist1_verdict #(
     assign lies_before = less && normal_nearest;
   end else begin : gen_no_near
     logic unused_nearest;
-    assign unused_nearest = ^nearest_i;
+    assign unused_nearest = ^{at.nearest, at.x3_up};
     assign lies_before = 1'b0;
   end
 
   // Zero, or a number of the same sign.
   logic dett_agrees, detu_agrees, detv_agrees, keep_a, keep_b;
-  assign dett_agrees = zero_x3 || (x3_i[W-1] == x1_i[W-1] && !nan_x3);
-  assign detu_agrees = zero_x1 || (x1_i[W-1] == given_i[W-1] && !nan_x1);
-  assign detv_agrees = zero_x2 || (x2_i[W-1] == given_i[W-1] && !nan_x2);
+  assign dett_agrees = zero_x3 || (at.x3[W-1] == at.x1[W-1] && !nan_x3);
+  assign detu_agrees = zero_x1 || (at.x1[W-1] == at.given[W-1] && !nan_x1);
+  assign detv_agrees = zero_x2 || (at.x2[W-1] == at.given[W-1] && !nan_x2);
 
   assign keep_a = !zero_x1 && finite_x1 && finite_x3 && dett_agrees && !beyond && !lies_before;
   assign keep_b = detu_agrees && detv_agrees && le;
-  assign keep_o = pass_b_i ? keep_b : keep_a;
+  assign keep_o = at.pass_b ? keep_b : keep_a;
 
 endmodule : ti_ist1_verdict

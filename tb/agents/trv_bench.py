@@ -20,7 +20,7 @@ PATIENCE = 30_000  # cycles without a hit after which a ray is lost
 
 
 class Steps:
-    """The nodes that each ray visits, seen where a step ends; and who lived in which slot."""
+    """The nodes that each ray visits, seen where a step is compared; and who lived in which slot."""
 
     def __init__(self, dut):
         self.nodes, self.rays_of_slot = {}, {}
@@ -31,9 +31,10 @@ class Steps:
         dut = self._dut
         while True:
             await ReadOnly()
-            if dut.end_valid.value == 1:
-                ray_id = self.rays_of_slot[int(dut.end_slot.value)][-1]
-                self.nodes[ray_id].append(int(dut.end_index.value))
+            walk = dut.u_walk
+            if walk.end_valid.value == 1:
+                ray_id = self.rays_of_slot[int(walk.end_slot.value)][-1]
+                self.nodes[ray_id].append(int(walk.end_index.value))
             if dut.start.value == 1:
                 beat = payloads().unpack("dispatch_t", int(dut.dispatch_data_i.value))
                 ray_id = beat["ray_id"]

@@ -42,6 +42,7 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("frac_bits=24", "2 to 23"),
         ("fp_add_stages=3", "4 to 10"),
         ("fp_add_stages=11", "4 to 10"),
+        ("fp_cmp_stages=2", "0 to 1"),
         ("fp_mul_stages=2", "3 to 8"),
         ("fp_mul_stages=9", "3 to 8"),
         ("fp_rcp_bits_per_stage=0", "1 to 3"),

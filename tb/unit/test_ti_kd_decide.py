@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`ti_kd_decide` follows the traversal rules in every combination of what it looks at."""
 
+from collections import deque
 from itertools import combinations, product
 
 import cocotb
@@ -17,6 +18,7 @@ ROOT, INDEX, LINK, TOP = 7, 100, 900, 555
 STACK_DEPTH, WATCHDOG_STEPS = parameter("StackDepth", 4), parameter("WatchdogSteps", 50)
 RESTART = bool(parameter("Restart", 1))
 CULL, GUARD = parameter("IntervalCull", 1), parameter("Guard", 4)
+CMP_STAGES = parameter("CmpStages", 0)
 
 
 def interval():
@@ -134,7 +136,7 @@ def leaf_rule(c, word):
     best_ends = n.model("fp_le", c["tbest"], c["tmax"])
     ends = {"leaf": full, "done": int(not full), "status": OK, "push": 0}
     if full:
-        ends |= {"tnear": 0, "tfar": c["tbest"]}
+        ends |= {"tnear": 0, "tfar": c["tbest"], "bound": c["tmax"]}
         if CULL:
             ends["tnear"] = max(c["tmin"] - GUARD, 0)
             ends["tfar"] = c["tbest"] if best_ends else min(c["tmax"] + GUARD, n.inf)
@@ -152,15 +154,27 @@ def leaf_rule(c, word):
 
 
 async def check(dut, cases):
+    """A case a cycle, each answered `CmpStages` edges of the clock later."""
     seen = set()
-    for c in cases:
-        for name, value in c.items():
+    dut.rst_ni.value = 1
+    under_way = deque()
+    for c in [*cases, *[None] * CMP_STAGES]:
+        dut.clk_i.value = 0
+        for name, value in (c or {}).items():
             getattr(dut, f"{name}_i").value = value
         await Timer(1, "ns")
+        under_way.append(c)
+        if len(under_way) <= CMP_STAGES:
+            dut.clk_i.value = 1
+            await Timer(1, "ns")
+            continue
+        c = under_way.popleft()
         want = expected(c)
         got = {name: int(getattr(dut, f"{name}_o").value) for name in want}
         assert got == want, f"{hexed(c)}: want {hexed(want)}, got {hexed(got)}"
         seen.add(tuple(want.get(k, 0) for k in ("go", "leaf", "done", "push", "pop", "restart")))
+        dut.clk_i.value = 1
+        await Timer(1, "ns")
     return seen
 
 
@@ -182,10 +196,19 @@ async def a_leaf_goes_on_from_the_stack_or_the_root_or_ends(dut):
     assert seen == ends | goes_on
 
 
-SHAPES = [(0, 1, 1, 4), (1, 1, 0, 0), (4, 1, 1, 4), (4, 1, 1, 0), (4, 0, 1, 4)]
+SHAPES = [
+    (0, 1, 1, 4, 0),
+    (1, 1, 0, 0, 0),
+    (4, 1, 1, 4, 0),
+    (4, 1, 1, 0, 0),
+    (4, 0, 1, 4, 0),
+    (4, 1, 1, 4, 1),
+    (2, 0, 0, 4, 1),
+]
 
 
-@pytest.mark.parametrize(("depth", "restart", "cull", "guard"), SHAPES)
-def test_ti_kd_decide(depth, restart, cull, guard):
+@pytest.mark.parametrize(("depth", "restart", "cull", "guard", "cmp"), SHAPES)
+def test_ti_kd_decide(depth, restart, cull, guard, cmp):
     values = {"StackDepth": depth, "Restart": restart, "IntervalCull": cull, "Guard": guard}
+    values["CmpStages"] = cmp
     run("ti_kd_decide", "test_ti_kd_decide", params={"WatchdogSteps": 50, **values})

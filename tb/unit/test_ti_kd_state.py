@@ -46,10 +46,11 @@ class State:
         self._dut, self._rng, self._busy, self._p_push, self._p_new = dut, rng, busy, p_push, p_new
         self._restart = int(dut.Restart.value)
         self._depth, self._lead = int(dut.StackDepth.value), int(dut.Lead.value)
+        self._end = self._lead + int(dut.Lag.value)
         self._slots = {}
         self._fresh = list(range(int(dut.NumSlots.value)))
         self._visits, self._steps = [], []  # slots whose next that is
-        self._pipe = [None] * (self._lead + 1)  # slots in the arithmetic, the last to end
+        self._pipe = [None] * (self._end + 1)  # slots in the arithmetic, the last to end
         self.checked = self.deepest = self.full = self.popped_after_full = 0
 
     async def run(self, cycles):
@@ -57,15 +58,18 @@ class State:
             started, visited = self._start(), self._visit()
             stepped = self._step()
             self._pipe = [stepped, *self._pipe[:-1]]
-            ends, late = self._pipe[self._lead], self._pipe[self._lead - 1]
+            late, shown = self._pipe[self._lead - 1], self._pipe[self._lead]
+            was = self._slots[shown].outputs() if shown is not None else None
+            ends = self._pipe[self._end]
             self._dut.end_valid_i.value = int(ends is not None)
             if ends is not None:
                 self._dut.end_slot_i.value = ends
+                self._decide(ends)
             await ReadOnly()
             assert self._dut.late_valid_o.value == (late is not None)
             assert late is None or self._dut.late_slot_o.value == late
-            if ends is not None:
-                self._check(ends)
+            if shown is not None:
+                self._check(shown, was)
             await RisingEdge(self._dut.clk_i)
             if ends is not None:
                 (self._fresh if ends not in self._slots else self._visits).append(ends)
@@ -103,16 +107,12 @@ class State:
         self._dut.step_valid_i.value = int(slot is not None)
         if slot is not None:
             self._dut.step_slot_i.value = slot
-        self._decide(self._pipe[self._lead - 1])
         return slot
 
     def _decide(self, slot):
-        """The next state of the slot that ends in this cycle; what it was is checked first."""
-        if slot is None:
-            return
+        """The next state of the slot that ends in this cycle."""
         dut, rng, n = self._dut, self._rng, numbers()
         ray = self._slots[slot]
-        self._was = ray.outputs()
         room = ray.level < self._depth or self._restart
         push = rng.random() < self._p_push and room
         pop = not push and ray.level > 0 and rng.random() < 0.8
@@ -136,9 +136,9 @@ class State:
         if rng.random() < self._p_new:
             del self._slots[slot]
 
-    def _check(self, slot):
-        got = {name: int(getattr(self._dut, f"{name}_o").value) for name in self._was}
-        want = {k: got[k] if v is None else v for k, v in self._was.items()}
+    def _check(self, slot, was):
+        got = {name: int(getattr(self._dut, f"{name}_o").value) for name in was}
+        want = {k: got[k] if v is None else v for k, v in was.items()}
         assert got == want, f"slot {slot}: want {want}, got {got}"
         self.checked += 1
 
@@ -163,13 +163,13 @@ async def gives_a_state_in_every_cycle(dut):
     """As many slots as fill the steps around it, none of them ever retires."""
     rng = await start(dut)
     state = State(dut, rng, busy=1.0, p_push=0.5, p_new=0.0)
-    slots, lead = int(dut.NumSlots.value), int(dut.Lead.value)
+    slots, lead = int(dut.NumSlots.value), int(dut.Lead.value) + int(dut.Lag.value)
     await state.run(slots + 2 * lead)
     before = state.checked
 
     await state.run(500)
 
-    # A slot is back after its visit, its step, `Lead` cycles and its end.
+    # A slot is back after its visit, its step, `Lead` and `Lag` cycles and its end.
     assert state.checked - before >= min(500, 500 * slots // (lead + 3)) - 1
 
 
@@ -202,8 +202,10 @@ async def forgets_what_is_inside_on_reset(dut):
         {"NumSlots": 4, "StackDepth": 1, "Lead": 3},
         {"NumSlots": 8, "StackDepth": 3, "Lead": 7},
         {"NumSlots": 16, "StackDepth": 4, "Lead": 7},
+        {"NumSlots": 8, "StackDepth": 3, "Lead": 7, "Lag": 1},
+        {"NumSlots": 8, "StackDepth": 3, "Restart": 0, "Lead": 3, "Lag": 1},
     ],
-    ids=["1-full", "3-full", "4-full", "0", "1", "3", "4"],
+    ids=["1-full", "3-full", "4-full", "0", "1", "3", "4", "3-later", "3-full-later"],
 )
 def test_ti_kd_state(params):
     config = f"tiny trv_slots={params['NumSlots']}"

@@ -344,9 +344,14 @@ BUILDS = {
         {"NumSlots": 8, "StackDepth": 24, "Restart": 0},
         "every_ray|memory_error|the_watchdog|a_step",
     ),
+    "compared first": (
+        "trv_slots=8 fp_cmp_stages=1",
+        {"NumSlots": 8},
+        "every_ray|memory_error|the_watchdog|a_step|activity",
+    ),
     "padded": ("trv_slots=8 traversal=padded", {"NumSlots": 8, "Padded": 1}, None),
     "padded, no stack": (
-        "trv_slots=4 traversal=padded exp_bits=5 frac_bits=10",
+        "trv_slots=4 traversal=padded exp_bits=5 frac_bits=10 fp_cmp_stages=1",
         {"NumSlots": 4, "StackDepth": 0, "Padded": 1},
         "every_ray",
     ),

@@ -19,7 +19,8 @@ class Slots:
         self._dut = dut
         self._best = {}  # slot: its rule
         self._after = [None] * (int(dut.Latency.value) + 1)  # what tokens left, newest first
-        self._busy = None  # slot of the token on its way
+        # Slots of the tokens on their way, newest first.
+        self._busy = [None] * (int(dut.Latency.value) - 1)
         self._wants = None  # what the last read must show
         self.in_a_row = 0  # better hits behind a better hit of their slot
         self._last = None
@@ -54,7 +55,7 @@ class Slots:
             self._check_reads(*self._wants)
         self._wants = [vars(self._best[slot]).copy() for slot in read] if read else None
         await RisingEdge(dut.clk_i)
-        self._busy = token[0] if token else None
+        self._busy = [token[0] if token else None, *self._busy[:-1]]
 
     def _check_reads(self, step, final):
         """What was asked for one cycle before is there."""
@@ -66,9 +67,14 @@ class Slots:
                 name: final[name] for name in ("t", "u", "v", "prim")
             }
 
+    async def drain(self):
+        """Until no token is on its way."""
+        for _ in self._busy:
+            await self.cycle()
+
     def quiet(self):
         """Slots with a ray and no token on its way."""
-        return [slot for slot in self._best if slot != self._busy]
+        return [slot for slot in self._best if slot not in self._busy]
 
 
 def keys():
@@ -86,7 +92,7 @@ async def hits_to_one_slot_in_a_row_leave_the_least_in_any_order(dut):
         await slots.cycle(starts=(0, 0, n.inf))
         for t, prim in order:
             await slots.cycle(token=(0, hit(t, prim)))
-        await slots.cycle()
+        await slots.drain()
         await slots.cycle(read=(0, 0))
         await slots.cycle()
         assert int(dut.tbest_o.value) & ~n.sign == 0
@@ -108,8 +114,10 @@ async def a_better_hit_counts_for_the_token_after_the_next(dut, between):
             "worse": (0, hit(n.of(2.0), 4)),
             "nothing": None,
         }[between]
-        for token in ((0, hit(*first)), middle, (0, hit(*last)), None, None):
+        for token in ((0, hit(*first)), middle, (0, hit(*last))):
             await slots.cycle(token=token)
+        await slots.drain()
+        await slots.cycle()
 
 
 @cocotb.test()
@@ -149,7 +157,7 @@ async def a_read_for_retirement_stays_until_the_next(dut):
     for slot in (0, 1):
         await slots.cycle(starts=(slot, 0, n.inf))
     await slots.cycle(token=(0, hit(n.one, 5)))
-    await slots.cycle()
+    await slots.drain()
     await slots.cycle(read=(0, 0))
     await slots.cycle()
     before = int(dut.final_o.value)
@@ -159,6 +167,7 @@ async def a_read_for_retirement_stays_until_the_next(dut):
         assert int(dut.final_o.value) == before
 
 
-@pytest.mark.parametrize("slots", [2, 8])
-def test_ti_trv_best(slots):
-    run("ti_trv_best", "test_ti_trv_best", config=f"tiny trv_slots={slots}", NumSlots=slots)
+@pytest.mark.parametrize(("slots", "cmp"), [(2, 0), (8, 0), (2, 1), (8, 1)])
+def test_ti_trv_best(slots, cmp):
+    params = {"NumSlots": slots, "CmpStages": cmp}
+    run("ti_trv_best", "test_ti_trv_best", config=f"tiny trv_slots={slots}", params=params)

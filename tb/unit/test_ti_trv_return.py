@@ -263,7 +263,9 @@ async def offers_the_best_t_to_the_step_pipeline(dut):
         assert await best() == n.of(want)
 
 
-@pytest.mark.parametrize(("slots", "any_hit"), [(8, 0), (2, 1), (8, 1)])
-def test_ti_trv_return(slots, any_hit):
-    params = {"NumSlots": slots, "AnyHit": any_hit}
+@pytest.mark.parametrize(
+    ("slots", "any_hit", "cmp"), [(8, 0, 0), (2, 1, 0), (8, 1, 0), (2, 1, 1), (8, 0, 1)]
+)
+def test_ti_trv_return(slots, any_hit, cmp):
+    params = {"NumSlots": slots, "AnyHit": any_hit, "CmpStages": cmp}
     run("ti_trv_return", "test_ti_trv_return", config=f"tiny trv_slots={slots}", params=params)

@@ -7,11 +7,14 @@
 ///
 /// A token a cycle, the same slot in a row included; never stalls.  A hit counts when tmin <= t and (t, prim) is
 /// less than the best so far, which starts as (the ray's tmax, no primitive).  Both comparisons are made side by
-/// side in the cycle after the token; 2 cycles after it stands what has become of the best.  A token that meets
-/// the one before it in the same slot takes that one's result, as the memory does not have it yet.
+/// side, `1 + CmpStages` cycles after the token; a cycle later stands what has become of the best.  A token behind
+/// others of its slot takes their result, as the memory does not have it yet; with a stage in front of the
+/// comparisons that choice is made there.
 module ti_trv_best #(
-  parameter  int unsigned NumSlots = 8,
-  localparam int unsigned Latency  = 2
+  parameter  int unsigned NumSlots  = 8,
+  /// Register stages in front of the comparisons, 0 or 1.
+  parameter  int unsigned CmpStages = ti_fp_pkg::CmpLatency,
+  localparam int unsigned Latency   = 2 + CmpStages
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -60,22 +63,32 @@ module ti_trv_best #(
     fp_t  v;
   } accepted_t;
 
+  // A token, and the best of its slot before it.
+  typedef struct packed {
+    slot_t     slot;
+    accepted_t token;
+    fp_t       tmin;
+    logic      had_hit;
+    key_t      best;
+  } compared_t;
+
   logic [NumSlots-1:0] has_hit_q;
 
-  // The token that is compared.
-  logic hit_q;
+  // The token whose slot has been read.
+  logic hit_q, had_hit_q;
   slot_t slot_q;
   accepted_t token_q;
   interval_t interval;
   key_t key_ram;
-  // What came before it in its slot.
-  logic same_slot_q, took_q, had_hit_q;
+  compared_t merged;
+
+  // The token that is compared, and the last one that was.
+  logic at_hit, take, took_q;
+  compared_t at;
   key_t last_q;
 
-  logic token_slot_has_hit, take_last, had_hit, in_range, less, equal, take;
-  key_t  best;
+  logic token_slot_has_hit, same_slot_q, take_last, in_range, less, equal;
   slot_t token_slot;
-
   assign token_slot = token_data_i.home.slot;
 
   always_ff @(`TI_CLK_RST) begin
@@ -98,8 +111,8 @@ module ti_trv_best #(
       };
       had_hit_q <= token_slot_has_hit;
     end
-    same_slot_q <= token_slot == slot_q;
-    last_q      <= token_q.key;
+    same_slot_q <= token_slot == at.slot;
+    last_q      <= at.token.key;
   end
 
   ti_ram_1r1w #(
@@ -124,25 +137,51 @@ module ti_trv_best #(
     .read_addr_i (token_slot),
     .read_data_o (key_ram),
     .write_en_i  (take),
-    .write_addr_i(slot_q),
-    .write_data_i(token_q.key)
+    .write_addr_i(at.slot),
+    .write_data_i(at.token.key)
   );
 
-  // The best so far: what the token before has just put there, what stands in memory, or nothing.
+  // The best so far: what the last token compared has just put there, what stands in memory, or nothing.
   assign take_last = same_slot_q && took_q;
-  assign had_hit   = take_last || had_hit_q;
   always_comb begin
-    best = '{t: interval.tmax, prim: ti_pkg::NoPrim};
-    if (take_last) best = last_q;
-    else if (had_hit_q) best = key_ram;
+    merged = '{
+        slot: slot_q,
+        token: token_q,
+        tmin: interval.tmin,
+        had_hit: take_last || had_hit_q,
+        best: '{t: interval.tmax, prim: ti_pkg::NoPrim}
+    };
+    if (take_last) merged.best = last_q;
+    else if (had_hit_q) merged.best = key_ram;
+  end
+
+  if (CmpStages == 0) begin : gen_at_once
+    assign at_hit = hit_q;
+    assign at     = merged;
+  end else begin : gen_later
+    // The token in front of this one is being compared.
+    logic at_hit_q, take_front;
+    compared_t at_q;
+    assign take_front = take && at_q.slot == slot_q;
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) at_hit_q <= 1'b0;
+      else at_hit_q <= hit_q;
+    end
+    always_ff @(posedge clk_i) begin
+      at_q         <= merged;
+      at_q.had_hit <= merged.had_hit || take_front;
+      if (take_front) at_q.best <= at_q.token.key;
+    end
+    assign at_hit = at_hit_q;
+    assign at     = at_q;
   end
 
   ti_fp_cmp #(
     .ExpBits (ti_num_pkg::ExpBits),
     .FracBits(ti_num_pkg::FracBits)
   ) u_tmin (
-    .a_i(interval.tmin),
-    .b_i(token_q.key.t),
+    .a_i(at.tmin),
+    .b_i(at.token.key.t),
     .lt_o(),
     .eq_o(),
     .le_o(in_range),
@@ -152,19 +191,19 @@ module ti_trv_best #(
     .ExpBits (ti_num_pkg::ExpBits),
     .FracBits(ti_num_pkg::FracBits)
   ) u_best (
-    .a_i(token_q.key.t),
-    .b_i(best.t),
+    .a_i(at.token.key.t),
+    .b_i(at.best.t),
     .lt_o(less),
     .eq_o(equal),
     .le_o(),
     .unordered_o()
   );
-  assign take = hit_q && in_range && (less || (equal && token_q.key.prim < best.prim));
+  assign take = at_hit && in_range && (less || (equal && at.token.key.prim < at.best.prim));
 
   always_ff @(posedge clk_i) begin
-    after_hit_o <= take || had_hit;
-    after_t_o   <= take ? token_q.key.t : best.t;
-    if (take) has_hit_q[slot_q] <= 1'b1;
+    after_hit_o <= take || at.had_hit;
+    after_t_o   <= take ? at.token.key.t : at.best.t;
+    if (take) has_hit_q[at.slot] <= 1'b1;
     if (start_i) has_hit_q[start_slot_i] <= 1'b0;
   end
 
@@ -181,8 +220,8 @@ module ti_trv_best #(
     .read_addr_i (tbest_slot_i),
     .read_data_o (tbest_hit),
     .write_en_i  (take),
-    .write_addr_i(slot_q),
-    .write_data_i(token_q.key.t)
+    .write_addr_i(at.slot),
+    .write_data_i(at.token.key.t)
   );
   ti_ram_1r1w #(
     .Depth (NumSlots),
@@ -214,8 +253,8 @@ module ti_trv_best #(
     .read_addr_i (final_slot_i),
     .read_data_o (final_hit),
     .write_en_i  (take),
-    .write_addr_i(slot_q),
-    .write_data_i(token_q)
+    .write_addr_i(at.slot),
+    .write_data_i(at.token)
   );
   always_ff @(posedge clk_i) begin
     if (final_read_i) final_is_hit_q <= final_slot_has_hit;
@@ -228,9 +267,12 @@ module ti_trv_best #(
           prim: final_hit.key.prim
       };
 
-  `TI_ASSERT(StepReadsNoSlotWithATokenOnItsWay, !(tbest_read_i && hit_q && tbest_slot_i == slot_q))
-  `TI_ASSERT(RetirementReadsNoSlotWithATokenOnItsWay,
-             !(final_read_i && hit_q && final_slot_i == slot_q))
+  `TI_ASSERT(
+      StepReadsNoSlotWithATokenOnItsWay,
+      !(tbest_read_i && (hit_q && tbest_slot_i == slot_q || at_hit && tbest_slot_i == at.slot)))
+  `TI_ASSERT(
+      RetirementReadsNoSlotWithATokenOnItsWay,
+      !(final_read_i && (hit_q && final_slot_i == slot_q || at_hit && final_slot_i == at.slot)))
   `TI_COVER(SameSlotInARow, hit_q && take_last)
 
 endmodule : ti_trv_best

@@ -7,15 +7,17 @@
 ///
 /// Takes a return token in every cycle, whatever it is and whichever slot it is for.  When all tests of a leaf
 /// are back, the ray ends if its best t <= the leaf's bound, if it is an any-hit ray with a hit, if memory failed,
-/// or if nothing is left to visit; else it goes on, 2 cycles after the last token.  The bound is a t below which
-/// nothing of what is left to visit lies: a kd-tree gives the leaf's exit.  3 CMP, 2 of them in `ti_trv_best`.
+/// or if nothing is left to visit; else it goes on, `LeafLatency` cycles after the last token.  The bound is a t below
+/// which nothing of what is left to visit lies: a kd-tree gives the leaf's exit.  3 CMP, 2 of them in `ti_trv_best`.
 module ti_trv_return #(
   parameter int unsigned NumSlots = 8,
   /// Whether a ray may be an any-hit ray.
   parameter bit AnyHit = 1'b1,
   /// Whether a ray may go back to the root.
   parameter bit Restart = 1'b1,
-  localparam int unsigned LeafLatency = 2
+  /// Register stages beside each comparison, 0 or 1.
+  parameter int unsigned CmpStages = ti_fp_pkg::CmpLatency,
+  localparam int unsigned LeafLatency = 2 + 2 * CmpStages
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -155,7 +157,8 @@ module ti_trv_return #(
   ti_traverse_pkg::best_t final_best;
 
   ti_trv_best #(
-    .NumSlots(NumSlots)
+    .NumSlots (NumSlots),
+    .CmpStages(CmpStages)
   ) u_best (
     .clk_i,
     .rst_ni,
@@ -175,42 +178,65 @@ module ti_trv_return #(
     .final_o     (final_best)
   );
 
-  // ---- The end of a leaf: on, or the end of the ray.
-  logic leaf_q, leaf_error_q, leaf_any_hit, not_beyond, ends;
-  slot_t leaf_slot_q;
+  // ---- The end of a leaf: on, or the end of the ray.  The best t is compared when it is there, `CmpStages` later than
+  // the count, and the ray ends or goes on as many after that.
+  localparam int unsigned LeafStages = 1 + 2 * CmpStages;
+
+  typedef struct packed {
+    slot_t slot;
+    logic  error;
+    logic  any_hit;
+  } leaf_t;
+
+  typedef struct packed {
+    leaf_t leaf;
+    logic  has_hit;
+    park_t park;
+    logic  not_beyond;
+  } end_t;
+
+  logic any_hit, read, not_beyond, ends, ended;
+  logic [LeafStages-1:0] leaf_q;  // all tests are back
+  leaf_t counted, known, known_q;
   park_t park;
   park_word_t park_word;
+  end_t at_end;
 
   always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) leaf_q <= 1'b0;
-    else leaf_q <= token_q && all_back;
-  end
-  always_ff @(posedge clk_i) begin
-    leaf_slot_q  <= slot_q;
-    leaf_error_q <= back.error;
+    if (!rst_ni) leaf_q <= '0;
+    else leaf_q <= LeafStages'({leaf_q, token_q && all_back});
   end
 
   if (AnyHit) begin : gen_any_hit
-    logic any_hit, leaf_any_hit_q;
     logic [NumSlots-1:0] any_hit_q;
-    assign any_hit      = any_hit_q[slot_q];
-    assign leaf_any_hit = leaf_any_hit_q;
+    assign any_hit = any_hit_q[slot_q];
     always_ff @(posedge clk_i) begin
       if (start_i) any_hit_q[start_slot_i] <= start_any_hit_i;
-      leaf_any_hit_q <= any_hit;
     end
   end else begin : gen_no_any_hit
-    assign leaf_any_hit = 1'b0;
+    assign any_hit = 1'b0;
     `TI_ASSERT(NoAnyHitRay, start_i |-> !start_any_hit_i)
   end
+
+  assign counted = '{slot: slot_q, error: back.error, any_hit: any_hit};
+  ti_delay #(
+    .payload_t(logic [$bits(leaf_t):0]),
+    .Cycles   (CmpStages)
+  ) u_known (
+    .clk_i,
+    .rst_ni,
+    .data_i({token_q, counted}),
+    .data_o({read, known})
+  );
+  always_ff @(posedge clk_i) known_q <= known;
 
   ti_ram_1r1w #(
     .Depth (NumSlots),
     .word_t(park_word_t)
   ) u_park (
     .clk_i,
-    .read_en_i(token_q),
-    .read_addr_i(slot_q),
+    .read_en_i(read),
+    .read_addr_i(known.slot),
     .read_data_o(park_word),
     .write_en_i(park_i),
     .write_addr_i(stop_slot_i),
@@ -229,12 +255,23 @@ module ti_trv_return #(
     .le_o(not_beyond),
     .unordered_o()
   );
-  assign ends             = leaf_error_q || !park.go || not_beyond || (leaf_any_hit && has_hit);
+  ti_delay #(
+    .payload_t(end_t),
+    .Cycles   (CmpStages)
+  ) u_end (
+    .clk_i,
+    .rst_ni,
+    .data_i('{leaf: known_q, has_hit: has_hit, park: park, not_beyond: not_beyond}),
+    .data_o(at_end)
+  );
+  assign ended = leaf_q[LeafStages-1];
+  assign ends = at_end.leaf.error || !at_end.park.go || at_end.not_beyond ||
+      (at_end.leaf.any_hit && at_end.has_hit);
 
-  assign resume_o         = leaf_q && !ends;
-  assign resume_slot_o    = leaf_slot_q;
-  assign resume_node_o    = park.next;
-  assign resume_restart_o = park.restart;
+  assign resume_o = ended && !ends;
+  assign resume_slot_o = at_end.leaf.slot;
+  assign resume_node_o = at_end.park.next;
+  assign resume_restart_o = at_end.park.restart;
 
   ti_trv_retire #(
     .NumSlots(NumSlots),
@@ -251,9 +288,9 @@ module ti_trv_return #(
     .stop_slot_i,
     .stop_steps_i,
     .done_status_i,
-    .ended_i      (leaf_q && ends),
-    .ended_slot_i (leaf_slot_q),
-    .ended_error_i(leaf_error_q),
+    .ended_i      (ended && ends),
+    .ended_slot_i (at_end.leaf.slot),
+    .ended_error_i(at_end.leaf.error),
     .final_read_o (final_read),
     .final_slot_o (final_slot),
     .final_i      (final_best),

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// What a ray does after a node: the traversal rules of `docs/architecture.md`, combinational.
+/// What a ray does after a node: the traversal rules of `docs/architecture.md`.
 ///
+/// Latency `CmpStages` cycles, all of them between the comparisons and the rest; combinational where that is 0.
 /// Inner node: near only when not t < tmax (also when t is NaN), else far only when t <= tmin, else near with tmax := t
 /// and the far child pushed.  The near child is the adjacent one exactly when the sign of the direction XNOR the node's
 /// reorder flag (ODFL, Nah et al. 2011).  `<=` makes restarts end. Leaf: on to the top of the short stack; else, if an
@@ -16,9 +17,14 @@ module ti_kd_decide #(
   parameter int unsigned WatchdogSteps = 65535,
   parameter bit IntervalCull = 1'b1,
   parameter int unsigned Guard = 4,
+  /// Register stages behind the comparisons.
+  parameter int unsigned CmpStages = ti_fp_pkg::CmpLatency,
   localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1
 ) (
-  input ti_pkg::node_index_t root_i,
+  input logic clk_i,
+  input logic rst_ni,
+
+  input ti_pkg::node_index_t root_i,  // constant
 
   input ti_pkg::node_index_t index_i,  // of the node
   input ti_kd_pkg::node_t node_i,
@@ -41,13 +47,14 @@ module ti_kd_decide #(
   output logic leaf_o,  // test the triangles of this leaf
   output ti_pkg::fp_t tnear_o,  // of these tests
   output ti_pkg::fp_t tfar_o,
+  output ti_pkg::fp_t bound_o,  // the ray ends after them with a best t up to this
   output logic done_o,  // the ray is done, with `status_o`
   output ti_pkg::status_e status_o,
   output ti_pkg::fp_t tmin_o,
   output ti_pkg::fp_t tmax_o,
   output logic [LevelWidth-1:0] level_o,
   output logic dropped_o,
-  output logic push_o,  // (far_o, tmax_i) onto the stack
+  output logic push_o,  // (far_o, tmax_i as it was) onto the stack
   output ti_pkg::node_index_t far_o,
   output logic pop_o,
   output logic restart_o
@@ -56,16 +63,8 @@ module ti_kd_decide #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
 
-  logic is_leaf, below_tmax, up_to_tmin, best_ends, near_is_adjacent, out_of_steps;
-  ti_pkg::node_index_t near_node, adjacent;
-
-  assign is_leaf          = node_i.axis == 2'd3;
-  assign adjacent         = index_i + 1'b1;
-  assign near_is_adjacent = negative_i ~^ node_i.reorder;
-  assign near_node        = near_is_adjacent ? adjacent : node_i.link;
-  assign far_o            = near_is_adjacent ? node_i.link : adjacent;
-  assign out_of_steps     = steps_i >= ti_pkg::steps_t'(WatchdogSteps);
-  assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
+  logic leaf_here, below_tmax, up_to_tmin;
+  assign leaf_here = node_i.axis == 2'd3;
 
   // An inner node compares t with both ends; a leaf compares the best t with its exit.
   ti_fp_cmp #(
@@ -83,27 +82,88 @@ module ti_kd_decide #(
     .ExpBits (E),
     .FracBits(M)
   ) u_tmin (
-    .a_i(is_leaf ? tbest_i : t_i),
-    .b_i(is_leaf ? tmax_i : tmin_i),
+    .a_i(leaf_here ? tbest_i : t_i),
+    .b_i(leaf_here ? tmax_i : tmin_i),
     .lt_o(),
     .eq_o(),
     .le_o(up_to_tmin),
     .unordered_o()
   );
-  assign best_ends = up_to_tmin;
+
+  // What is decided by, with the outcomes of the comparisons.
+  typedef struct packed {
+    ti_pkg::node_index_t   index;
+    ti_kd_pkg::node_t      node;
+    logic                  error;
+    logic                  negative;
+    ti_pkg::fp_t           t;
+    ti_pkg::fp_t           tmin;
+    ti_pkg::fp_t           tmax;
+    ti_pkg::fp_t           ray_tmax;
+    ti_pkg::fp_t           tbest;
+    ti_pkg::steps_t        steps;
+    logic [LevelWidth-1:0] level;
+    logic                  dropped;
+    ti_pkg::node_index_t   top_node;
+    ti_pkg::fp_t           top_tmax;
+    logic                  below_tmax;
+    logic                  up_to_tmin;  // of a leaf: the best t is up to its exit
+  } at_t;
+  at_t at;
+  ti_delay #(
+    .payload_t(at_t),
+    .Cycles   (CmpStages)
+  ) u_at (
+    .clk_i,
+    .rst_ni,
+    .data_i(
+    '{
+        index: index_i,
+        node: node_i,
+        error: error_i,
+        negative: negative_i,
+        t: t_i,
+        tmin: tmin_i,
+        tmax: tmax_i,
+        ray_tmax: ray_tmax_i,
+        tbest: tbest_i,
+        steps: steps_i,
+        level: level_i,
+        dropped: dropped_i,
+        top_node: top_node_i,
+        top_tmax: top_tmax_i,
+        below_tmax: below_tmax,
+        up_to_tmin: up_to_tmin
+    }
+    ),
+    .data_o(at)
+  );
+
+  logic is_leaf, best_ends, near_is_adjacent, out_of_steps;
+  ti_pkg::node_index_t near_node, adjacent;
+
+  assign is_leaf          = at.node.axis == 2'd3;
+  assign best_ends        = at.up_to_tmin;
+  assign adjacent         = at.index + 1'b1;
+  assign near_is_adjacent = at.negative ~^ at.node.reorder;
+  assign near_node        = near_is_adjacent ? adjacent : at.node.link;
+  assign far_o            = near_is_adjacent ? at.node.link : adjacent;
+  assign out_of_steps     = at.steps >= ti_pkg::steps_t'(WatchdogSteps);
+  assign steps_o          = out_of_steps ? at.steps : at.steps + 1'b1;
+  assign bound_o          = at.tmax;
 
   // Outward in the order of bit patterns, down to 0, up to infinity at most.
   localparam ti_pkg::fp_t GuardUlps = ti_pkg::fp_t'(Guard);
   if (IntervalCull) begin : gen_interval_cull
-    assign tnear_o = (tmin_i > GuardUlps) ? tmin_i - GuardUlps : '0;
+    assign tnear_o = (at.tmin > GuardUlps) ? at.tmin - GuardUlps : '0;
     always_comb begin
-      tfar_o = tmax_i + GuardUlps;
-      if (tmax_i >= ti_num_pkg::Inf - GuardUlps) tfar_o = ti_num_pkg::Inf;
-      if (best_ends) tfar_o = tbest_i;
+      tfar_o = at.tmax + GuardUlps;
+      if (at.tmax >= ti_num_pkg::Inf - GuardUlps) tfar_o = ti_num_pkg::Inf;
+      if (best_ends) tfar_o = at.tbest;
     end
   end else begin : gen_no_interval_cull
     assign tnear_o = '0;
-    assign tfar_o  = tbest_i;
+    assign tfar_o  = at.tbest;
   end
 
   always_comb begin
@@ -112,10 +172,10 @@ module ti_kd_decide #(
     leaf_o    = 1'b0;
     done_o    = 1'b0;
     status_o  = ti_pkg::Ok;
-    tmin_o    = tmin_i;
-    tmax_o    = tmax_i;
-    level_o   = level_i;
-    dropped_o = dropped_i;
+    tmin_o    = at.tmin;
+    tmax_o    = at.tmax;
+    level_o   = at.level;
+    dropped_o = at.dropped;
     push_o    = 1'b0;
     pop_o     = 1'b0;
     restart_o = 1'b0;
@@ -123,39 +183,39 @@ module ti_kd_decide #(
     if (out_of_steps) begin
       done_o   = 1'b1;
       status_o = ti_pkg::Watchdog;
-    end else if (error_i) begin
+    end else if (at.error) begin
       done_o   = 1'b1;
       status_o = ti_pkg::MemoryError;
     end else if (is_leaf) begin
-      leaf_o = node_i.link[15:0] != '0;
-      tmin_o = tmax_i;
+      leaf_o = at.node.link[15:0] != '0;
+      tmin_o = at.tmax;
       if (!leaf_o && best_ends) begin
         done_o = 1'b1;
-      end else if (level_i != '0) begin
+      end else if (at.level != '0) begin
         go_o    = 1'b1;
         pop_o   = 1'b1;
-        next_o  = top_node_i;
-        tmax_o  = top_tmax_i;
-        level_o = level_i - 1'b1;
-      end else if (Restart && dropped_i && tmax_i != ray_tmax_i) begin
+        next_o  = at.top_node;
+        tmax_o  = at.top_tmax;
+        level_o = at.level - 1'b1;
+      end else if (Restart && at.dropped && at.tmax != at.ray_tmax) begin
         go_o      = 1'b1;
         restart_o = 1'b1;
         next_o    = root_i;
-        tmax_o    = ray_tmax_i;
+        tmax_o    = at.ray_tmax;
         dropped_o = 1'b0;
       end else begin
         done_o = !leaf_o;
       end
     end else begin
       go_o = 1'b1;
-      if (below_tmax) begin
-        if (up_to_tmin) begin
+      if (at.below_tmax) begin
+        if (at.up_to_tmin) begin
           next_o = far_o;
         end else begin
-          tmax_o = t_i;
+          tmax_o = at.t;
           push_o = 1'b1;
-          if (Restart && level_i == LevelWidth'(StackDepth)) dropped_o = 1'b1;
-          else level_o = level_i + 1'b1;
+          if (Restart && at.level == LevelWidth'(StackDepth)) dropped_o = 1'b1;
+          else level_o = at.level + 1'b1;
         end
       end
     end

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// What a thick ray does after a node, combinational: `ti_kd_decide` for a padded traversal.
+/// What a thick ray does after a node: `ti_kd_decide` for a padded traversal, with the same latency.
 ///
 /// Inner node: near only when tmax <= t, else far only when t_most <= tmin, else both: near with tmax := min(tmax,
 /// t_most), and far with tmin := max(tmin, t) pushed, or gone to at once where the trail says that near is done.  A t
@@ -17,9 +17,14 @@ module ti_kd_decide_padded #(
   parameter int unsigned WatchdogSteps = 65535,
   parameter bit IntervalCull = 1'b1,
   parameter int unsigned Guard = 4,
+  /// Register stages behind the comparisons.
+  parameter int unsigned CmpStages = ti_fp_pkg::CmpLatency,
   localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1
 ) (
-  input ti_pkg::node_index_t root_i,
+  input logic clk_i,
+  input logic rst_ni,
+
+  input ti_pkg::node_index_t root_i,  // constant
 
   input ti_pkg::node_index_t index_i,  // of the node
   input ti_kd_pkg::node_t node_i,
@@ -57,7 +62,7 @@ module ti_kd_decide_padded #(
   output logic [LevelWidth-1:0] level_o,
   output ti_kd_pkg::trail_t trail_o,
   output ti_pkg::fp_t dropped_from_o,
-  output logic push_o,  // (far_o, far_tmin_o, tmax_i) onto the stack
+  output logic push_o,  // (far_o, far_tmin_o, tmax_i as it was) onto the stack
   output ti_pkg::node_index_t far_o,
   output ti_pkg::fp_t far_tmin_o,
   output logic pop_o,
@@ -70,19 +75,10 @@ module ti_kd_decide_padded #(
   localparam int unsigned Levels = ti_kd_pkg::TrailLevels;
   typedef ti_pkg::fp_t fp_t;
 
-  logic is_leaf, before_near, up_to_tmin, best_ends, raise, bounded, lower;
-  logic near_is_adjacent, out_of_steps;
-  ti_pkg::node_index_t near_node, adjacent;
-  fp_t left_from, raised;
-
-  assign is_leaf          = node_i.axis == 2'd3;
-  assign adjacent         = index_i + 1'b1;
-  assign near_is_adjacent = negative_i ~^ node_i.reorder;
-  assign near_node        = near_is_adjacent ? adjacent : node_i.link;
-  assign far_o            = near_is_adjacent ? node_i.link : adjacent;
-  assign out_of_steps     = steps_i >= ti_pkg::steps_t'(WatchdogSteps);
-  assign steps_o          = out_of_steps ? steps_i : steps_i + 1'b1;
-  assign left_from        = (level_i != '0) ? top_tmin_i : dropped_from_i;
+  logic leaf_here, before_near, up_to_tmin, best_ends, raise, bounded, lower;
+  fp_t left_from, raised, bound;
+  assign leaf_here = node_i.axis == 2'd3;
+  assign left_from = (level_i != '0) ? top_tmin_i : dropped_from_i;
 
   // Near only; a leaf compares nothing here.
   ti_fp_cmp #(
@@ -101,8 +97,8 @@ module ti_kd_decide_padded #(
     .ExpBits (E),
     .FracBits(M)
   ) u_far (
-    .a_i(is_leaf ? tbest_i : t_most_i),
-    .b_i(is_leaf ? tmax_i : tmin_i),
+    .a_i(leaf_here ? tbest_i : t_most_i),
+    .b_i(leaf_here ? tmax_i : tmin_i),
     .lt_o(),
     .eq_o(),
     .le_o(up_to_tmin),
@@ -131,7 +127,6 @@ module ti_kd_decide_padded #(
     .le_o(),
     .unordered_o()
   );
-  assign far_tmin_o = bounded ? left_from : raised;
   ti_fp_cmp #(
     .ExpBits (E),
     .FracBits(M)
@@ -145,39 +140,121 @@ module ti_kd_decide_padded #(
   );
 
   // The number below what is left, which is 0 or more: a best t up to it is less.  Below 0 stands no best t.
-  assign bound_o = (left_from[W-2:0] == '0) ? {1'b1, (W - 1)'(1)} : left_from - 1'b1;
+  assign bound = (left_from[W-2:0] == '0) ? {1'b1, (W - 1)'(1)} : left_from - 1'b1;
   ti_fp_cmp #(
     .ExpBits (E),
     .FracBits(M)
   ) u_best (
     .a_i(tbest_i),
-    .b_i(bound_o),
+    .b_i(bound),
     .lt_o(),
     .eq_o(),
     .le_o(best_ends),
     .unordered_o()
   );
 
+  // What is decided by, with the outcomes of the comparisons.
+  typedef struct packed {
+    ti_pkg::node_index_t   index;
+    ti_kd_pkg::node_t      node;
+    logic                  error;
+    logic                  negative;
+    fp_t                   t_most;
+    fp_t                   tmin;
+    fp_t                   tmax;
+    fp_t                   ray_tmin;
+    fp_t                   ray_tmax;
+    fp_t                   tbest;
+    ti_pkg::steps_t        steps;
+    logic [LevelWidth-1:0] level;
+    ti_kd_pkg::trail_t     trail;
+    fp_t                   dropped_from;
+    ti_pkg::node_index_t   top_node;
+    fp_t                   top_tmin;
+    fp_t                   top_tmax;
+    fp_t                   oldest_tmin;
+    fp_t                   raised;        // max(tmin, t)
+    fp_t                   left_from;     // the least t of what is left
+    fp_t                   bound;
+    logic                  before_near;
+    logic                  up_to_tmin;    // of a leaf: the best t is up to its exit
+    logic                  best_ends;
+    logic                  bounded;       // what is left begins before `raised`
+    logic                  lower;         // t_most < tmax
+  } at_t;
+  at_t at;
+  ti_delay #(
+    .payload_t(at_t),
+    .Cycles   (CmpStages)
+  ) u_at (
+    .clk_i,
+    .rst_ni,
+    .data_i(
+    '{
+        index: index_i,
+        node: node_i,
+        error: error_i,
+        negative: negative_i,
+        t_most: t_most_i,
+        tmin: tmin_i,
+        tmax: tmax_i,
+        ray_tmin: ray_tmin_i,
+        ray_tmax: ray_tmax_i,
+        tbest: tbest_i,
+        steps: steps_i,
+        level: level_i,
+        trail: trail_i,
+        dropped_from: dropped_from_i,
+        top_node: top_node_i,
+        top_tmin: top_tmin_i,
+        top_tmax: top_tmax_i,
+        oldest_tmin: oldest_tmin_i,
+        raised: raised,
+        left_from: left_from,
+        bound: bound,
+        before_near: before_near,
+        up_to_tmin: up_to_tmin,
+        best_ends: best_ends,
+        bounded: bounded,
+        lower: lower
+    }
+    ),
+    .data_o(at)
+  );
+
+  logic is_leaf, near_is_adjacent, out_of_steps;
+  ti_pkg::node_index_t near_node, adjacent;
+
+  assign is_leaf          = at.node.axis == 2'd3;
+  assign adjacent         = at.index + 1'b1;
+  assign near_is_adjacent = at.negative ~^ at.node.reorder;
+  assign near_node        = near_is_adjacent ? adjacent : at.node.link;
+  assign far_o            = near_is_adjacent ? at.node.link : adjacent;
+  assign far_tmin_o       = at.bounded ? at.left_from : at.raised;
+  assign bound_o          = at.bound;
+  assign out_of_steps     = at.steps >= ti_pkg::steps_t'(WatchdogSteps);
+  assign steps_o          = out_of_steps ? at.steps : at.steps + 1'b1;
+
   // Outward in the order of bit patterns, down to 0, up to infinity at most.
   localparam fp_t GuardUlps = fp_t'(Guard);
   if (IntervalCull) begin : gen_interval_cull
-    assign tnear_o = (tmin_i > GuardUlps) ? tmin_i - GuardUlps : '0;
+    assign tnear_o = (at.tmin > GuardUlps) ? at.tmin - GuardUlps : '0;
     always_comb begin
-      tfar_o = tmax_i + GuardUlps;
-      if (tmax_i >= ti_num_pkg::Inf - GuardUlps) tfar_o = ti_num_pkg::Inf;
-      if (up_to_tmin) tfar_o = tbest_i;
+      tfar_o = at.tmax + GuardUlps;
+      if (at.tmax >= ti_num_pkg::Inf - GuardUlps) tfar_o = ti_num_pkg::Inf;
+      if (at.up_to_tmin) tfar_o = at.tbest;
     end
   end else begin : gen_no_interval_cull
     assign tnear_o = '0;
-    assign tfar_o  = tbest_i;
+    assign tfar_o  = at.tbest;
   end
 
   // The deepest level above this one with something left to do.
   logic [Levels-1:0] above, left;
   logic [5:0] deepest;
   logic any_left;
-  assign above    = ~({Levels{1'b1}} << trail_i.level);
-  assign left     = ~trail_i.done & above;
+  assign above    = ~({Levels{1'b1}} << at.trail.level);
+  assign left     = ~at.trail.done & above;
   assign any_left = left != '0;
   always_comb begin
     deepest = '0;
@@ -185,8 +262,8 @@ module ti_kd_decide_padded #(
   end
 
   logic done_here;
-  assign done_here = trail_i.done[trail_i.level[5:0]];
-  assign both_o    = !is_leaf && !before_near && !up_to_tmin;
+  assign done_here = at.trail.done[at.trail.level[5:0]];
+  assign both_o    = !is_leaf && !at.before_near && !at.up_to_tmin;
 
   always_comb begin
     go_o           = 1'b0;
@@ -194,11 +271,11 @@ module ti_kd_decide_padded #(
     leaf_o         = 1'b0;
     done_o         = 1'b0;
     status_o       = ti_pkg::Ok;
-    tmin_o         = tmin_i;
-    tmax_o         = tmax_i;
-    level_o        = level_i;
-    trail_o        = trail_i;
-    dropped_from_o = dropped_from_i;
+    tmin_o         = at.tmin;
+    tmax_o         = at.tmax;
+    level_o        = at.level;
+    trail_o        = at.trail;
+    dropped_from_o = at.dropped_from;
     push_o         = 1'b0;
     pop_o          = 1'b0;
     restart_o      = 1'b0;
@@ -206,46 +283,46 @@ module ti_kd_decide_padded #(
     if (out_of_steps) begin
       done_o   = 1'b1;
       status_o = ti_pkg::Watchdog;
-    end else if (error_i) begin
+    end else if (at.error) begin
       done_o   = 1'b1;
       status_o = ti_pkg::MemoryError;
     end else if (is_leaf) begin
-      leaf_o       = node_i.link[15:0] != '0;
-      trail_o.done = (trail_i.done & ~({Levels{1'b1}} << deepest)) | (Levels'(1) << deepest);
-      if ((!leaf_o && best_ends) || !any_left) begin
+      leaf_o       = at.node.link[15:0] != '0;
+      trail_o.done = (at.trail.done & ~({Levels{1'b1}} << deepest)) | (Levels'(1) << deepest);
+      if ((!leaf_o && at.best_ends) || !any_left) begin
         done_o = !leaf_o;
-      end else if (level_i != '0) begin
+      end else if (at.level != '0) begin
         go_o          = 1'b1;
         pop_o         = 1'b1;
-        next_o        = top_node_i;
-        tmin_o        = top_tmin_i;
-        tmax_o        = top_tmax_i;
-        level_o       = level_i - 1'b1;
+        next_o        = at.top_node;
+        tmin_o        = at.top_tmin;
+        tmax_o        = at.top_tmax;
+        level_o       = at.level - 1'b1;
         trail_o.level = 7'(deepest) + 1'b1;
       end else begin
         go_o           = Restart;
         restart_o      = Restart;
         next_o         = root_i;
-        tmin_o         = ray_tmin_i;
-        tmax_o         = ray_tmax_i;
+        tmin_o         = at.ray_tmin;
+        tmax_o         = at.ray_tmax;
         trail_o.level  = '0;
         dropped_from_o = ti_num_pkg::Inf;
       end
     end else begin
       go_o          = 1'b1;
-      trail_o.level = trail_i.level + 1'b1;
+      trail_o.level = at.trail.level + 1'b1;
       if (both_o && !done_here) begin
         push_o = 1'b1;
-        if (lower) tmax_o = t_most_i;
-        if (Restart && level_i == LevelWidth'(StackDepth)) begin
-          dropped_from_o = (StackDepth == 0) ? far_tmin_o : oldest_tmin_i;
+        if (at.lower) tmax_o = at.t_most;
+        if (Restart && at.level == LevelWidth'(StackDepth)) begin
+          dropped_from_o = (StackDepth == 0) ? far_tmin_o : at.oldest_tmin;
         end else begin
-          level_o = level_i + 1'b1;
+          level_o = at.level + 1'b1;
         end
       end else begin
         if (both_o) tmin_o = far_tmin_o;
-        if (!before_near) next_o = far_o;
-        trail_o.done[trail_i.level[5:0]] = 1'b1;
+        if (!at.before_near) next_o = far_o;
+        trail_o.done[at.trail.level[5:0]] = 1'b1;
       end
     end
   end

@@ -6,7 +6,7 @@
 /// What a TRV remembers of each slot between steps: interval, step count, node, and the short stack.
 ///
 /// Read just in time for the decision: a slot that enters the arithmetic with `step_valid_i` has its state at the
-/// outputs `Lead` cycles later, in the cycle in which `end_valid_i` writes the next state. The stack of a slot is a
+/// outputs `Lead` cycles later; `end_valid_i` writes the next state `Lag` cycles after that. The stack of a slot is a
 /// ring of `StackDepth` entries in one memory of all slots; pushing onto a full ring overwrites the oldest, and with a
 /// `StackDepth` of 0 there is none.  Without `Restart` nothing is pushed onto a full stack, so that an entry's place is
 /// its level, and the ring's pointer and the flag of a dropped entry are not there.  A slot that has just been taken
@@ -20,6 +20,8 @@ module ti_kd_state #(
   parameter bit Padded = 1'b0,
   /// Cycles from step to end, 3 or more.
   parameter int unsigned Lead = 7,
+  /// Cycles from the state at the outputs to the end.
+  parameter int unsigned Lag = 0,
   localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1
 ) (
   input logic clk_i,
@@ -44,9 +46,7 @@ module ti_kd_state #(
   output logic              late_valid_o,
   output ti_pkg::trv_slot_t late_slot_o,
 
-  // Its end: the state as it was, and what to write.
-  input  logic                                 end_valid_i,
-  input  ti_pkg::trv_slot_t                    end_slot_i,
+  // The state as it was.
   output ti_pkg::node_index_t                  index_o,
   output ti_pkg::fp_t                          tmin_o,
   output ti_pkg::fp_t                          tmax_o,
@@ -62,6 +62,9 @@ module ti_kd_state #(
   output ti_pkg::fp_t                          top_tmin_o,
   // Of the entry that a push onto a full ring drops.
   output ti_pkg::fp_t                          oldest_tmin_o,
+  // Its end, and what to write.
+  input  logic                                 end_valid_i,
+  input  ti_pkg::trv_slot_t                    end_slot_i,
   input  ti_pkg::fp_t                          tmin_i,
   input  ti_pkg::fp_t                          tmax_i,
   input  ti_pkg::steps_t                       steps_i,
@@ -70,7 +73,7 @@ module ti_kd_state #(
   input  ti_kd_pkg::trail_t                    trail_i,         // of thick rays, as the next two
   input  ti_pkg::fp_t                          dropped_from_i,
   input  ti_pkg::fp_t                          far_tmin_i,
-  // (far_i, far_tmin_i, tmax_o) onto the stack.
+  // (far_i, far_tmin_i, tmax_o as it was) onto the stack.
   input  logic                                 push_i,
   input  ti_pkg::node_index_t                  far_i,
   input  logic                                 pop_i
@@ -130,11 +133,15 @@ module ti_kd_state #(
   );
   always_ff @(posedge clk_i) late_slot_o <= early_slot;
 
-  word_t word, word_q;
-  state_t state;
-  interval_t interval;
+  word_t word;
+  state_t late, state_q;
+  interval_t interval, interval_q;
+  ti_pkg::fp_t end_tmax;
+  logic late_fresh;
+  logic [LevelWidth-1:0] end_level;
   entry_t top;
-  pointer_t late_pointer, late_top, pointer, pointer_below, pointer_above, pointer_next;
+  pointer_t
+      late_pointer, late_top, now_pointer, pointer, pointer_below, pointer_above, pointer_next;
   logic [NumSlots-1:0] fresh_q;  // has not taken a step yet
 
   ti_ram_1r1w #(
@@ -155,8 +162,8 @@ module ti_kd_state #(
     .word_t(interval_t)
   ) u_interval (
     .clk_i,
-    .read_en_i   (late_valid_o),
-    .read_addr_i (late_slot_o),
+    .read_en_i   (early_valid),
+    .read_addr_i (early_slot),
     .read_data_o (interval),
     .write_en_i  (start_i),
     .write_addr_i(start_slot_i),
@@ -196,26 +203,29 @@ module ti_kd_state #(
       .read_data_o(top),
       .write_en_i(end_valid_i && push_i),
       .write_addr_i(push_place),
-      .write_data_i('{node: far_i, tmax: state.interval.tmax})
+      .write_data_i('{node: far_i, tmax: end_tmax})
     );
   end else begin : gen_no_stack
     logic unused;
-    assign unused = ^{far_i, late_top};
+    assign unused = ^{far_i, late_top, end_tmax};
     assign top = '0;
   end
 
+  assign late_fresh = fresh_q[late_slot_o];
+  always_comb begin
+    late = $bits(state_t)'(word);
+    if (late_fresh) begin
+      late          = '0;
+      late.interval = interval;
+    end
+  end
   always_ff @(posedge clk_i) begin
-    if (late_valid_o) word_q <= word;
+    if (late_valid_o) begin
+      state_q    <= late;
+      interval_q <= interval;
+    end
     if (end_valid_i) fresh_q[end_slot_i] <= 1'b0;
     if (start_i) fresh_q[start_slot_i] <= 1'b1;
-  end
-
-  always_comb begin
-    state = $bits(state_t)'(word_q);
-    if (fresh_q[end_slot_i]) begin
-      state          = '0;
-      state.interval = interval;
-    end
   end
 
   // What the walk of a thick ray has beside that.
@@ -238,9 +248,14 @@ module ti_kd_state #(
       .write_addr_i(end_slot_i),
       .write_data_i('{trail: trail_i, dropped_from: dropped_from_i})
     );
-    always_ff @(posedge clk_i) if (late_valid_o) walk_q <= walk;
-    assign trail_o        = fresh_q[end_slot_i] ? '0 : walk_q.trail;
-    assign dropped_from_o = fresh_q[end_slot_i] ? ti_num_pkg::Inf : walk_q.dropped_from;
+    always_ff @(posedge clk_i) begin
+      if (late_valid_o) begin
+        walk_q <= walk;
+        if (late_fresh) walk_q <= '{trail: '0, dropped_from: ti_num_pkg::Inf};
+      end
+    end
+    assign trail_o        = walk_q.trail;
+    assign dropped_from_o = walk_q.dropped_from;
 
     if (StackDepth > 0) begin : gen_tmin
       localparam int unsigned StackWords = NumSlots * StackDepth;
@@ -292,26 +307,36 @@ module ti_kd_state #(
     assign oldest_tmin_o  = '0;
   end
 
+  // Where the next entry goes: one cycle before the state is at the outputs, and at the end.
   if (Restart) begin : gen_ring
     assign late_pointer = word[StateWidth-1-:PointerWidth];
-    assign pointer      = state.ring.pointer;
+    assign now_pointer  = state_q.ring.pointer;
   end else begin : gen_no_ring
     assign late_pointer = pointer_t'(word[LevelWidth-1:0]);
-    assign pointer      = pointer_t'(state.level);
+    assign now_pointer  = pointer_t'(state_q.level);
   end
+  ti_delay #(
+    .payload_t(logic [PointerWidth+LevelWidth+$bits(ti_pkg::fp_t)-1:0]),
+    .Cycles   (Lag)
+  ) u_end (
+    .clk_i,
+    .rst_ni,
+    .data_i({now_pointer, state_q.level, state_q.interval.tmax}),
+    .data_o({pointer, end_level, end_tmax})
+  );
   assign late_top = (late_pointer == '0) ? pointer_t'(StackDepth - 1) : late_pointer - 1'b1;
   assign pointer_below = (pointer == '0) ? pointer_t'(StackDepth - 1) : pointer - 1'b1;
   assign pointer_above = (pointer == pointer_t'(StackDepth - 1)) ? '0 : pointer + 1'b1;
 
   assign pointer_next = push_i ? pointer_above : pop_i ? pointer_below : pointer;
 
-  assign tmin_o = state.interval.tmin;
-  assign tmax_o = state.interval.tmax;
-  assign ray_tmin_o = interval.tmin;
-  assign ray_tmax_o = interval.tmax;
-  assign steps_o = state.steps;
-  assign level_o = state.level;
-  assign dropped_o = state.ring.dropped;
+  assign tmin_o = state_q.interval.tmin;
+  assign tmax_o = state_q.interval.tmax;
+  assign ray_tmin_o = interval_q.tmin;
+  assign ray_tmax_o = interval_q.tmax;
+  assign steps_o = state_q.steps;
+  assign level_o = state_q.level;
+  assign dropped_o = state_q.ring.dropped;
   assign top_node_o = top.node;
   assign top_tmax_o = top.tmax;
 
@@ -320,8 +345,8 @@ module ti_kd_state #(
   end
 
   `TI_ASSERT(StackOverflowsOnlyWithRestarts,
-             end_valid_i && push_i |-> Restart || 32'(state.level) < StackDepth)
-  `TI_ASSERT(NoPopOfNothing, end_valid_i && pop_i |-> state.level != '0)
+             end_valid_i && push_i |-> Restart || 32'(end_level) < StackDepth)
+  `TI_ASSERT(NoPopOfNothing, end_valid_i && pop_i |-> end_level != '0)
   `TI_ASSERT_KNOWN(LateValidKnown, late_valid_o)
 
 endmodule : ti_kd_state

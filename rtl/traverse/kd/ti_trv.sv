@@ -5,10 +5,10 @@
 
 /// TRV: traversal of the kd-tree for the rays that are at home here (Nah et al. 2011, section 4).
 ///
-/// A ray takes a slot, and its nodes pass `ti_ra` (2 cycles on a hit), `ti_kd_step` and `ti_kd_decide` until it
-/// reaches a leaf with triangles, which goes out to LIST, or its end.  From node to next request
-/// `StepLatency` cycles; one step a cycle when enough rays are at home.  The pipeline never stalls: every queue
-/// has a place for each slot.  Short stack: the newest `StackDepth` entries of each slot in one memory.
+/// A ray takes a slot, and its nodes pass `ti_ra` (2 cycles on a hit) and `ti_kd_walk` until it reaches a leaf with
+/// triangles, which goes out to LIST, or its end.  From node to next request `StepLatency` cycles; one step a cycle
+/// when enough rays are at home.  The pipeline never stalls: every queue has a place for each slot.  Short stack: the
+/// newest `StackDepth` entries of each slot in one memory.
 /// `dispatch_ready_o` says that a slot is free, and stays until it is taken.
 module ti_trv #(
   parameter int unsigned NumSlots = 8,
@@ -23,7 +23,8 @@ module ti_trv #(
   localparam int unsigned GeometryLatency = 1,  // slot memory
   localparam int unsigned ArithmeticLatency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
   localparam int unsigned ArbiterLatency = 1,
-  localparam int unsigned StepLatency = GeometryLatency + ArithmeticLatency + ArbiterLatency
+  localparam int unsigned StepLatency = GeometryLatency + ArithmeticLatency +
+      ti_fp_pkg::CmpLatency + ArbiterLatency
 ) (
   input  logic                clk_i,
   input  logic                rst_ni,
@@ -61,15 +62,9 @@ module ti_trv #(
   output ti_count_pkg::trv_events_t events_o  // `room` where an output waits
 );
 
-  localparam int unsigned LevelWidth = (StackDepth > 0) ? $clog2(StackDepth + 1) : 1;
-
   typedef ti_pkg::trv_slot_t slot_t;
   typedef ti_pkg::fp_t fp_t;
   typedef ti_pkg::node_index_t node_index_t;
-
-  // Of a ray: the near origin, the inverse, and where it is thick the far origin above them.
-  localparam int unsigned GeometryWidth = (Padded ? 3 : 2) * $bits(ti_pkg::vec3_t);
-  typedef logic [GeometryWidth-1:0] geometry_t;
 
   // ---- Slots: a ray comes in.
   logic start, free;
@@ -150,225 +145,59 @@ module ti_trv #(
     .events_o   (cache_events)
   );
 
-  // ---- The step.
-  logic step_q, step_error_q, end_valid, end_error, end_negative;
-  slot_t step_slot_q;
-  ti_kd_pkg::node_t step_node_q, end_node;
-  geometry_t geometry;
-  ti_traverse_pkg::origins_t origins;
-  ti_pkg::vec3_t inv;
-  fp_t end_t, end_t_most;
-
-  ti_ram_1r1w #(
-    .Depth (NumSlots),
-    .word_t(geometry_t)
-  ) u_geometry (
-    .clk_i,
-    .read_en_i(rsp_valid),
-    .read_addr_i(rsp_slot),
-    .read_data_o(geometry),
-    .write_en_i(start),
-    .write_addr_i(new_slot),
-    .write_data_i(geometry_t'({
-      dispatch_data_i.origins.most, dispatch_data_i.origins.least, dispatch_data_i.inv
-    }))
-  );
-  assign inv           = geometry[$bits(inv)-1:0];
-  assign origins.least = geometry[$bits(inv)+:$bits(inv)];
-  assign origins.most  = geometry[GeometryWidth-1-:$bits(inv)];
-
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) step_q <= 1'b0;
-    else step_q <= rsp_valid;
-  end
-  always_ff @(posedge clk_i) begin
-    if (rsp_valid) begin
-      step_slot_q  <= rsp_slot;
-      step_node_q  <= rsp_node;
-      step_error_q <= rsp_error;
-    end
-  end
-
-  ti_kd_step #(
-    .TagWidth($bits(slot_t) + 1),
-    .Padded  (Padded)
-  ) u_step (
-    .clk_i,
-    .rst_ni,
-    .valid_i   (step_q),
-    .tag_i     ({step_slot_q, step_error_q}),
-    .node_i    (step_node_q),
-    .origins_i (origins),
-    .inv_i     (inv),
-    .valid_o   (end_valid),
-    .tag_o     ({end_slot, end_error}),
-    .node_o    (end_node),
-    .negative_o(end_negative),
-    .t_o       (end_t),
-    .t_most_o  (end_t_most)
-  );
-
-  // ---- The decision, with the slot's state.
-  logic late_valid, both, go, leaf, done, push, pop, restart, dropped, dropped_next;
+  // ---- A step.
+  logic step, late_valid, end_valid, go, leaf, done, restart;
   slot_t late_slot;
-  node_index_t end_index, far_node, top_node;
-  fp_t tmin, tmax, tmin_next, tmax_next, ray_tmin, ray_tmax, top_tmax, tbest, tnear, tfar, bound;
-  fp_t dropped_from, dropped_from_next, far_tmin, top_tmin, oldest_tmin;
-  ti_kd_pkg::trail_t trail, trail_next;
-  ti_pkg::steps_t steps, steps_next;
+  logic at_leaf;
+  ti_pkg::list_index_t leaf_first;
+  ti_pkg::tri_count_t leaf_count;
+  fp_t tbest, tnear, tfar, bound;
+  ti_pkg::steps_t  steps;
   ti_pkg::status_e status;
-  logic [LevelWidth-1:0] level, level_next;
 
-  ti_kd_state #(
-    .NumSlots  (NumSlots),
-    .StackDepth(StackDepth),
-    .Restart   (Restart),
-    .Padded    (Padded),
-    .Lead      (ArithmeticLatency)
-  ) u_state (
+  ti_kd_walk #(
+    .NumSlots     (NumSlots),
+    .StackDepth   (StackDepth),
+    .WatchdogSteps(WatchdogSteps),
+    .Restart      (Restart),
+    .Padded       (Padded)
+  ) u_walk (
     .clk_i,
     .rst_ni,
-    .start_i       (start),
-    .start_slot_i  (new_slot),
-    .start_tmin_i  (dispatch_data_i.tmin),
-    .start_tmax_i  (dispatch_data_i.tmax),
-    .visit_i       (visit_valid && req_ready),
-    .visit_slot_i  (visit_slot),
-    .visit_node_i  (visit_node),
-    .step_valid_i  (step_q),
-    .step_slot_i   (step_slot_q),
-    .late_valid_o  (late_valid),
-    .late_slot_o   (late_slot),
-    .end_valid_i   (end_valid),
-    .end_slot_i    (end_slot),
-    .index_o       (end_index),
-    .tmin_o        (tmin),
-    .tmax_o        (tmax),
-    .ray_tmin_o    (ray_tmin),
-    .ray_tmax_o    (ray_tmax),
-    .steps_o       (steps),
-    .level_o       (level),
-    .dropped_o     (dropped),
-    .top_node_o    (top_node),
-    .top_tmax_o    (top_tmax),
-    .trail_o       (trail),
-    .dropped_from_o(dropped_from),
-    .top_tmin_o    (top_tmin),
-    .oldest_tmin_o (oldest_tmin),
-    .tmin_i        (tmin_next),
-    .tmax_i        (tmax_next),
-    .steps_i       (steps_next),
-    .level_i       (level_next),
-    .dropped_i     (dropped_next),
-    .trail_i       (trail_next),
-    .dropped_from_i(dropped_from_next),
-    .far_tmin_i    (far_tmin),
-    .push_i        (push),
-    .far_i         (far_node),
-    .pop_i         (pop)
+    .root_i,
+    .start_i        (start),
+    .start_slot_i   (new_slot),
+    .start_origins_i(dispatch_data_i.origins),
+    .start_inv_i    (dispatch_data_i.inv),
+    .start_tmin_i   (dispatch_data_i.tmin),
+    .start_tmax_i   (dispatch_data_i.tmax),
+    .visit_i        (visit_valid && req_ready),
+    .visit_slot_i   (visit_slot),
+    .visit_node_i   (visit_node),
+    .node_valid_i   (rsp_valid),
+    .node_slot_i    (rsp_slot),
+    .node_i         (rsp_node),
+    .node_error_i   (rsp_error),
+    .tbest_read_o   (late_valid),
+    .tbest_slot_o   (late_slot),
+    .tbest_i        (tbest),
+    .works_o        (step),
+    .end_valid_o    (end_valid),
+    .end_slot_o     (end_slot),
+    .at_leaf_o      (at_leaf),
+    .first_o        (leaf_first),
+    .count_o        (leaf_count),
+    .steps_o        (steps),
+    .go_o           (go),
+    .next_o         (next_node),
+    .leaf_o         (leaf),
+    .tnear_o        (tnear),
+    .tfar_o         (tfar),
+    .bound_o        (bound),
+    .done_o         (done),
+    .status_o       (status),
+    .restart_o      (restart)
   );
-
-  if (Padded) begin : gen_padded
-    ti_kd_decide_padded #(
-      .StackDepth   (StackDepth),
-      .Restart      (Restart),
-      .WatchdogSteps(WatchdogSteps),
-      .IntervalCull (ti_config_pkg::IntervalCull),
-      .Guard        (ti_config_pkg::IntervalGuard)
-    ) u_decide (
-      .root_i,
-      .index_i       (end_index),
-      .node_i        (end_node),
-      .error_i       (end_error),
-      .negative_i    (end_negative),
-      .t_i           (end_t),
-      .t_most_i      (end_t_most),
-      .tmin_i        (tmin),
-      .tmax_i        (tmax),
-      .ray_tmin_i    (ray_tmin),
-      .ray_tmax_i    (ray_tmax),
-      .tbest_i       (tbest),
-      .steps_i       (steps),
-      .level_i       (level),
-      .trail_i       (trail),
-      .dropped_from_i(dropped_from),
-      .top_node_i    (top_node),
-      .top_tmin_i    (top_tmin),
-      .top_tmax_i    (top_tmax),
-      .oldest_tmin_i (oldest_tmin),
-      .steps_o       (steps_next),
-      .both_o        (both),
-      .go_o          (go),
-      .next_o        (next_node),
-      .leaf_o        (leaf),
-      .tnear_o       (tnear),
-      .tfar_o        (tfar),
-      .bound_o       (bound),
-      .done_o        (done),
-      .status_o      (status),
-      .tmin_o        (tmin_next),
-      .tmax_o        (tmax_next),
-      .level_o       (level_next),
-      .trail_o       (trail_next),
-      .dropped_from_o(dropped_from_next),
-      .push_o        (push),
-      .far_o         (far_node),
-      .far_tmin_o    (far_tmin),
-      .pop_o         (pop),
-      .restart_o     (restart)
-    );
-    assign dropped_next = push && Restart && level == LevelWidth'(StackDepth);
-    logic unused_dropped;
-    assign unused_dropped = dropped;
-  end else begin : gen_plain
-    ti_kd_decide #(
-      .StackDepth   (StackDepth),
-      .Restart      (Restart),
-      .WatchdogSteps(WatchdogSteps),
-      .IntervalCull (ti_config_pkg::IntervalCull),
-      .Guard        (ti_config_pkg::IntervalGuard)
-    ) u_decide (
-      .root_i,
-      .index_i   (end_index),
-      .node_i    (end_node),
-      .error_i   (end_error),
-      .negative_i(end_negative),
-      .t_i       (end_t),
-      .tmin_i    (tmin),
-      .tmax_i    (tmax),
-      .ray_tmax_i(ray_tmax),
-      .tbest_i   (tbest),
-      .steps_i   (steps),
-      .level_i   (level),
-      .dropped_i (dropped),
-      .top_node_i(top_node),
-      .top_tmax_i(top_tmax),
-      .steps_o   (steps_next),
-      .go_o      (go),
-      .next_o    (next_node),
-      .leaf_o    (leaf),
-      .tnear_o   (tnear),
-      .tfar_o    (tfar),
-      .done_o    (done),
-      .status_o  (status),
-      .tmin_o    (tmin_next),
-      .tmax_o    (tmax_next),
-      .level_o   (level_next),
-      .dropped_o (dropped_next),
-      .push_o    (push),
-      .far_o     (far_node),
-      .pop_o     (pop),
-      .restart_o (restart)
-    );
-    assign both              = push;
-    assign bound             = tmax;
-    assign trail_next        = trail;
-    assign dropped_from_next = dropped_from;
-    assign far_tmin          = tmin;
-    logic unused_padded;
-    assign unused_padded = ^{end_t_most, ray_tmin, top_tmin, oldest_tmin};
-  end
-
   assign step_push = end_valid && go && !leaf;
 
   // ---- Leaves go out with the operands of their tests.
@@ -383,8 +212,8 @@ module ti_trv #(
     .start_operands_i(dispatch_data_i.operands),
     .push_i          (end_valid && leaf),
     .push_slot_i     (end_slot),
-    .push_first_i    (end_node.value),
-    .push_count_i    (end_node.link[15:0]),
+    .push_first_i    (leaf_first),
+    .push_count_i    (leaf_count),
     .push_tnear_i    (tnear),
     .push_tfar_i     (tfar),
     .leaf_valid_o,
@@ -409,9 +238,9 @@ module ti_trv #(
     .park_i          (end_valid && leaf),
     .done_i          (end_valid && done),
     .stop_slot_i     (end_slot),
-    .stop_steps_i    (steps_next),
+    .stop_steps_i    (steps),
     .done_status_i   (status),
-    .park_count_i    (end_node.link[15:0]),
+    .park_count_i    (leaf_count),
     .park_go_i       (go),
     .park_restart_i  (restart),
     .park_next_i     (next_node),
@@ -443,13 +272,13 @@ module ti_trv #(
     .rst_ni,
     .start_i         (start),
     .free_i          (free),
-    .works_i         (step_q),
+    .works_i         (step),
     .memory_i        (ra_waits),
     .blocked_i       ((leaf_valid_o && !leaf_ready_i) || (hit_valid_o && !hit_ready_i)),
     .end_i           (end_valid),
     .again_i         (step_push),
     .restart_i       (restart),
-    .leaf_i          (end_node.axis == 2'd3 && status == ti_pkg::Ok),
+    .leaf_i          (at_leaf && status == ti_pkg::Ok),
     .full_leaf_i     (leaf),
     .resume_i        (resume),
     .resume_restart_i(resume_restart),
@@ -467,10 +296,6 @@ module ti_trv #(
     $error("ti_trv: WatchdogSteps must be 1 to the configuration's");
   end
 
-  `TI_ASSERT(
-      IntervalNotEmpty,
-      end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
-  `TI_ASSERT(PushOnlyWhereBothChildrenLieOnTheWay, end_valid && push |-> both)
   `TI_ASSERT_KNOWN(DispatchReadyKnown, dispatch_ready_o)
   `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
   `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
