@@ -20,7 +20,7 @@ class Slots:
         self._best = {}  # slot: its rule
         self._after = [None] * (int(dut.Latency.value) + 1)  # what tokens left, newest first
         # Slots of the tokens on their way, newest first.
-        self._busy = [None] * (int(dut.Latency.value) - 1)
+        self._busy = [None] * (1 + 2 * int(dut.CmpStages.value))
         self._wants = None  # what the last read must show
         self.in_a_row = 0  # better hits behind a better hit of their slot
         self._last = None

@@ -9,7 +9,7 @@
 /// less than the best so far, which starts as (the ray's tmax, no primitive).  Both comparisons are made side by
 /// side, `1 + CmpStages` cycles after the token; a cycle later stands what has become of the best.  A token behind
 /// others of its slot takes their result, as the memory does not have it yet; with a stage in front of the
-/// comparisons that choice is made there.
+/// comparisons that choice is made there, and one behind them drives the memories.
 module ti_trv_best #(
   parameter  int unsigned NumSlots  = 8,
   /// Register stages in front of the comparisons, 0 or 1.
@@ -82,9 +82,11 @@ module ti_trv_best #(
   key_t key_ram;
   compared_t merged;
 
-  // The token that is compared, and the last one that was.
-  logic at_hit, take, took_q;
+  // The token that is compared, the one that is kept if it was taken, and the one before that.
+  logic at_hit, take, keep, kept_last_q;
   compared_t at;
+  slot_t kept_slot;
+  accepted_t kept;
   key_t last_q;
 
   logic token_slot_has_hit, same_slot_q, take_last, in_range, less, equal;
@@ -93,11 +95,11 @@ module ti_trv_best #(
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
-      hit_q  <= 1'b0;
-      took_q <= 1'b0;
+      hit_q       <= 1'b0;
+      kept_last_q <= 1'b0;
     end else begin
-      hit_q  <= token_i && token_data_i.hit;
-      took_q <= take;
+      hit_q       <= token_i && token_data_i.hit;
+      kept_last_q <= keep;
     end
   end
   assign token_slot_has_hit = has_hit_q[token_slot];
@@ -111,8 +113,8 @@ module ti_trv_best #(
       };
       had_hit_q <= token_slot_has_hit;
     end
-    same_slot_q <= token_slot == at.slot;
-    last_q      <= at.token.key;
+    same_slot_q <= token_slot == kept_slot;
+    last_q      <= kept.key;
   end
 
   ti_ram_1r1w #(
@@ -136,13 +138,13 @@ module ti_trv_best #(
     .read_en_i   (token_i),
     .read_addr_i (token_slot),
     .read_data_o (key_ram),
-    .write_en_i  (take),
-    .write_addr_i(at.slot),
-    .write_data_i(at.token.key)
+    .write_en_i  (keep),
+    .write_addr_i(kept_slot),
+    .write_data_i(kept.key)
   );
 
-  // The best so far: what the last token compared has just put there, what stands in memory, or nothing.
-  assign take_last = same_slot_q && took_q;
+  // The best so far: what was written while the slot was read, what stands in memory, or nothing.
+  assign take_last = same_slot_q && kept_last_q;
   always_comb begin
     merged = '{
         slot: slot_q,
@@ -156,24 +158,42 @@ module ti_trv_best #(
   end
 
   if (CmpStages == 0) begin : gen_at_once
-    assign at_hit = hit_q;
-    assign at     = merged;
+    assign at_hit    = hit_q;
+    assign at        = merged;
+    assign keep      = take;
+    assign kept_slot = at.slot;
+    assign kept      = at.token;
   end else begin : gen_later
-    // The token in front of this one is being compared.
-    logic at_hit_q, take_front;
+    // Two tokens are in front of this one: one that is compared, one that is written if it was taken.
+    logic at_hit_q, keep_q, same_as_kept_q, take_kept, take_front;
     compared_t at_q;
+    slot_t kept_slot_q;
+    accepted_t kept_q;
+    assign take_kept  = keep_q && same_as_kept_q;
     assign take_front = take && at_q.slot == slot_q;
     always_ff @(`TI_CLK_RST) begin
-      if (!rst_ni) at_hit_q <= 1'b0;
-      else at_hit_q <= hit_q;
+      if (!rst_ni) begin
+        at_hit_q <= 1'b0;
+        keep_q   <= 1'b0;
+      end else begin
+        at_hit_q <= hit_q;
+        keep_q   <= take;
+      end
     end
     always_ff @(posedge clk_i) begin
-      at_q         <= merged;
-      at_q.had_hit <= merged.had_hit || take_front;
+      same_as_kept_q <= token_slot == at_q.slot;
+      kept_slot_q    <= at_q.slot;
+      kept_q         <= at_q.token;
+      at_q           <= merged;
+      at_q.had_hit   <= merged.had_hit || take_kept || take_front;
       if (take_front) at_q.best <= at_q.token.key;
+      else if (take_kept) at_q.best <= kept_q.key;
     end
-    assign at_hit = at_hit_q;
-    assign at     = at_q;
+    assign at_hit    = at_hit_q;
+    assign at        = at_q;
+    assign keep      = keep_q;
+    assign kept_slot = kept_slot_q;
+    assign kept      = kept_q;
   end
 
   ti_fp_cmp #(
@@ -203,7 +223,7 @@ module ti_trv_best #(
   always_ff @(posedge clk_i) begin
     after_hit_o <= take || at.had_hit;
     after_t_o   <= take ? at.token.key.t : at.best.t;
-    if (take) has_hit_q[at.slot] <= 1'b1;
+    if (keep) has_hit_q[kept_slot] <= 1'b1;
     if (start_i) has_hit_q[start_slot_i] <= 1'b0;
   end
 
@@ -219,9 +239,9 @@ module ti_trv_best #(
     .read_en_i   (tbest_read_i),
     .read_addr_i (tbest_slot_i),
     .read_data_o (tbest_hit),
-    .write_en_i  (take),
-    .write_addr_i(at.slot),
-    .write_data_i(at.token.key.t)
+    .write_en_i  (keep),
+    .write_addr_i(kept_slot),
+    .write_data_i(kept.key.t)
   );
   ti_ram_1r1w #(
     .Depth (NumSlots),
@@ -252,9 +272,9 @@ module ti_trv_best #(
     .read_en_i   (final_read_i),
     .read_addr_i (final_slot_i),
     .read_data_o (final_hit),
-    .write_en_i  (take),
-    .write_addr_i(at.slot),
-    .write_data_i(at.token)
+    .write_en_i  (keep),
+    .write_addr_i(kept_slot),
+    .write_data_i(kept)
   );
   always_ff @(posedge clk_i) begin
     if (final_read_i) final_is_hit_q <= final_slot_has_hit;
@@ -269,10 +289,10 @@ module ti_trv_best #(
 
   `TI_ASSERT(
       StepReadsNoSlotWithATokenOnItsWay,
-      !(tbest_read_i && (hit_q && tbest_slot_i == slot_q || at_hit && tbest_slot_i == at.slot)))
+      !(tbest_read_i && (hit_q && tbest_slot_i == slot_q || at_hit && tbest_slot_i == at.slot || keep && tbest_slot_i == kept_slot)))
   `TI_ASSERT(
       RetirementReadsNoSlotWithATokenOnItsWay,
-      !(final_read_i && (hit_q && final_slot_i == slot_q || at_hit && final_slot_i == at.slot)))
+      !(final_read_i && (hit_q && final_slot_i == slot_q || at_hit && final_slot_i == at.slot || keep && final_slot_i == kept_slot)))
   `TI_COVER(SameSlotInARow, hit_q && take_last)
 
 endmodule : ti_trv_best

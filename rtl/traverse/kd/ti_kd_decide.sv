@@ -63,8 +63,8 @@ module ti_kd_decide #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
 
-  logic leaf_here, below_tmax, up_to_tmin;
-  assign leaf_here = node_i.axis == 2'd3;
+  logic is_leaf, below_tmax, up_to_tmin;
+  assign is_leaf = node_i.axis == 2'd3;
 
   // An inner node compares t with both ends; a leaf compares the best t with its exit.
   ti_fp_cmp #(
@@ -82,32 +82,45 @@ module ti_kd_decide #(
     .ExpBits (E),
     .FracBits(M)
   ) u_tmin (
-    .a_i(leaf_here ? tbest_i : t_i),
-    .b_i(leaf_here ? tmax_i : tmin_i),
+    .a_i(is_leaf ? tbest_i : t_i),
+    .b_i(is_leaf ? tmax_i : tmin_i),
     .lt_o(),
     .eq_o(),
     .le_o(up_to_tmin),
     .unordered_o()
   );
 
+  // Outward in the order of bit patterns, down to 0, up to infinity at most.
+  localparam ti_pkg::fp_t GuardUlps = ti_pkg::fp_t'(Guard);
+  ti_pkg::fp_t entry, leaf_exit;  // of the leaf, moved outward
+  assign entry = (tmin_i > GuardUlps) ? tmin_i - GuardUlps : '0;
+  assign leaf_exit = (tmax_i >= ti_num_pkg::Inf - GuardUlps) ? ti_num_pkg::Inf : tmax_i + GuardUlps;
+
   // What is decided by, with the outcomes of the comparisons.
   typedef struct packed {
     ti_pkg::node_index_t   index;
-    ti_kd_pkg::node_t      node;
+    ti_pkg::node_index_t   link;
+    logic                  near_is_adjacent;
     logic                  error;
-    logic                  negative;
     ti_pkg::fp_t           t;
     ti_pkg::fp_t           tmin;
     ti_pkg::fp_t           tmax;
     ti_pkg::fp_t           ray_tmax;
     ti_pkg::fp_t           tbest;
+    ti_pkg::fp_t           entry;
+    ti_pkg::fp_t           leaf_exit;
     ti_pkg::steps_t        steps;
     logic [LevelWidth-1:0] level;
     logic                  dropped;
     ti_pkg::node_index_t   top_node;
     ti_pkg::fp_t           top_tmax;
+    logic                  is_leaf;
+    logic                  out_of_steps;
+    logic                  has_triangles;
+    logic                  stacked;           // entries are on the stack
+    logic                  goes_beyond;       // the ray's interval does not end with the leaf's
     logic                  below_tmax;
-    logic                  up_to_tmin;  // of a leaf: the best t is up to its exit
+    logic                  up_to_tmin;        // of a leaf: the best t is up to its exit
   } at_t;
   at_t at;
   ti_delay #(
@@ -119,19 +132,26 @@ module ti_kd_decide #(
     .data_i(
     '{
         index: index_i,
-        node: node_i,
+        link: node_i.link,
+        near_is_adjacent: negative_i ~^ node_i.reorder,
         error: error_i,
-        negative: negative_i,
         t: t_i,
         tmin: tmin_i,
         tmax: tmax_i,
         ray_tmax: ray_tmax_i,
         tbest: tbest_i,
+        entry: entry,
+        leaf_exit: leaf_exit,
         steps: steps_i,
         level: level_i,
         dropped: dropped_i,
         top_node: top_node_i,
         top_tmax: top_tmax_i,
+        is_leaf: is_leaf,
+        out_of_steps: steps_i >= ti_pkg::steps_t'(WatchdogSteps),
+        has_triangles: node_i.link[15:0] != '0,
+        stacked: level_i != '0,
+        goes_beyond: tmax_i != ray_tmax_i,
         below_tmax: below_tmax,
         up_to_tmin: up_to_tmin
     }
@@ -139,85 +159,85 @@ module ti_kd_decide #(
     .data_o(at)
   );
 
-  logic is_leaf, best_ends, near_is_adjacent, out_of_steps;
+  logic best_ends;
   ti_pkg::node_index_t near_node, adjacent;
 
-  assign is_leaf          = at.node.axis == 2'd3;
-  assign best_ends        = at.up_to_tmin;
-  assign adjacent         = at.index + 1'b1;
-  assign near_is_adjacent = at.negative ~^ at.node.reorder;
-  assign near_node        = near_is_adjacent ? adjacent : at.node.link;
-  assign far_o            = near_is_adjacent ? at.node.link : adjacent;
-  assign out_of_steps     = at.steps >= ti_pkg::steps_t'(WatchdogSteps);
-  assign steps_o          = out_of_steps ? at.steps : at.steps + 1'b1;
-  assign bound_o          = at.tmax;
+  assign best_ends = at.up_to_tmin;
+  assign adjacent  = at.index + 1'b1;
+  assign near_node = at.near_is_adjacent ? adjacent : at.link;
+  assign far_o     = at.near_is_adjacent ? at.link : adjacent;
+  assign steps_o   = at.out_of_steps ? at.steps : at.steps + 1'b1;
+  assign bound_o   = at.tmax;
 
-  // Outward in the order of bit patterns, down to 0, up to infinity at most.
-  localparam ti_pkg::fp_t GuardUlps = ti_pkg::fp_t'(Guard);
   if (IntervalCull) begin : gen_interval_cull
-    assign tnear_o = (at.tmin > GuardUlps) ? at.tmin - GuardUlps : '0;
-    always_comb begin
-      tfar_o = at.tmax + GuardUlps;
-      if (at.tmax >= ti_num_pkg::Inf - GuardUlps) tfar_o = ti_num_pkg::Inf;
-      if (best_ends) tfar_o = at.tbest;
-    end
+    assign tnear_o = at.entry;
+    assign tfar_o  = best_ends ? at.tbest : at.leaf_exit;
   end else begin : gen_no_interval_cull
-    assign tnear_o = '0;
-    assign tfar_o  = at.tbest;
+    logic unused_interval;
+    assign unused_interval = ^{at.entry, at.leaf_exit};
+    assign tnear_o         = '0;
+    assign tfar_o          = at.tbest;
   end
 
+  // The next state, which means nothing for a ray that is done.
   always_comb begin
-    go_o      = 1'b0;
     next_o    = near_node;
-    leaf_o    = 1'b0;
-    done_o    = 1'b0;
-    status_o  = ti_pkg::Ok;
     tmin_o    = at.tmin;
     tmax_o    = at.tmax;
     level_o   = at.level;
     dropped_o = at.dropped;
+    if (at.is_leaf) begin
+      tmin_o = at.tmax;
+      if (at.stacked) begin
+        next_o  = at.top_node;
+        tmax_o  = at.top_tmax;
+        level_o = at.level - 1'b1;
+      end else begin
+        next_o    = root_i;
+        tmax_o    = at.ray_tmax;
+        dropped_o = 1'b0;
+      end
+    end else if (at.below_tmax) begin
+      if (at.up_to_tmin) begin
+        next_o = far_o;
+      end else begin
+        tmax_o = at.t;
+        if (Restart && at.level == LevelWidth'(StackDepth)) dropped_o = 1'b1;
+        else level_o = at.level + 1'b1;
+      end
+    end
+  end
+
+  always_comb begin
+    go_o      = 1'b0;
+    leaf_o    = 1'b0;
+    done_o    = 1'b0;
+    status_o  = ti_pkg::Ok;
     push_o    = 1'b0;
     pop_o     = 1'b0;
     restart_o = 1'b0;
-
-    if (out_of_steps) begin
+    if (at.out_of_steps) begin
       done_o   = 1'b1;
       status_o = ti_pkg::Watchdog;
     end else if (at.error) begin
       done_o   = 1'b1;
       status_o = ti_pkg::MemoryError;
-    end else if (is_leaf) begin
-      leaf_o = at.node.link[15:0] != '0;
-      tmin_o = at.tmax;
-      if (!leaf_o && best_ends) begin
+    end else if (at.is_leaf) begin
+      leaf_o = at.has_triangles;
+      if (!at.has_triangles && best_ends) begin
         done_o = 1'b1;
-      end else if (at.level != '0) begin
-        go_o    = 1'b1;
-        pop_o   = 1'b1;
-        next_o  = at.top_node;
-        tmax_o  = at.top_tmax;
-        level_o = at.level - 1'b1;
-      end else if (Restart && at.dropped && at.tmax != at.ray_tmax) begin
+      end else if (at.stacked) begin
+        go_o  = 1'b1;
+        pop_o = 1'b1;
+      end else if (Restart && at.dropped && at.goes_beyond) begin
         go_o      = 1'b1;
         restart_o = 1'b1;
-        next_o    = root_i;
-        tmax_o    = at.ray_tmax;
-        dropped_o = 1'b0;
       end else begin
-        done_o = !leaf_o;
+        done_o = !at.has_triangles;
       end
     end else begin
-      go_o = 1'b1;
-      if (at.below_tmax) begin
-        if (at.up_to_tmin) begin
-          next_o = far_o;
-        end else begin
-          tmax_o = at.t;
-          push_o = 1'b1;
-          if (Restart && at.level == LevelWidth'(StackDepth)) dropped_o = 1'b1;
-          else level_o = at.level + 1'b1;
-        end
-      end
+      go_o   = 1'b1;
+      push_o = at.below_tmax && !at.up_to_tmin;
     end
   end
 
