@@ -177,10 +177,10 @@ async def takes_a_ray_in_its_cycles_and_gives_it_after_its_latency(dut):
 async def the_latency_is_that_of_its_steps(dut):
     """Accept, three axes, gather, check, queue: the same for each number of cycles a ray."""
     await start(dut)
-    arithmetic = int(dut.u_clip.AxisLatency.value)
+    arithmetic, check = int(dut.u_clip.AxisLatency.value), int(dut.u_clip.CheckLatency.value)
 
     thick, shear = int(dut.ThickLatency.value), int(dut.ShearLatency.value)
-    assert int(dut.Latency.value) == arithmetic + 6 + thick + shear
+    assert int(dut.Latency.value) == arithmetic + 5 + check + thick + shear
     assert (thick > 0, shear > 0) == (bool(int(dut.Padded.value)), bool(int(dut.Woop.value)))
     assert int(dut.u_clip.Lanes.value) == 4 - int(dut.RayCycles.value)
 
@@ -369,6 +369,7 @@ def test_ti_rd_of_the_watertight_machine(ray_cycles):
 def test_ti_rd_of_deep_operators(ray_cycles):
     """The longest latency that a configuration can ask for."""
     deepest = "fp_add_stages=10 fp_mul_stages=8 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=5"
+    deepest += " fp_cmp_stages=1"
     only = "takes_a_ray_in|the_latency_is|keeps_its_rate|misses_leave"
     config = f"tiny {deepest}"
     run("ti_rd", "test_ti_rd", config=config, params={"RayCycles": ray_cycles}, only=only)

@@ -25,7 +25,7 @@ module ti_rd #(
   localparam int unsigned ThickLatency = Padded ? 2 * ti_fp_pkg::AddLatency + RayCycles + 1 : 0,
   localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
-  ) + ti_fp_pkg::MulLatency + (3 - RayCycles) + 2,
+  ) + ti_fp_pkg::MulLatency + (3 - RayCycles) + 2 + ti_fp_pkg::CmpLatency,
   localparam int unsigned ShearLatency = Woop ? ti_fp_pkg::MulLatency + 1 : 0,
   localparam int unsigned QueueLatency = 1,
   localparam int unsigned Latency = AcceptLatency + RayCycles - 1 + ThickLatency + ClipLatency +

@@ -31,7 +31,7 @@ module ti_rd_clip #(
   ) + ti_fp_pkg::MulLatency,
   localparam int unsigned SkewLatency = Lanes - 1,  // of the last lane
   localparam int unsigned GatherLatency = 1,  // interval over the axes
-  localparam int unsigned CheckLatency = 1,  // outward, hit or miss
+  localparam int unsigned CheckLatency = 1 + ti_fp_pkg::CmpLatency,  // outward, hit or miss
   localparam int unsigned Latency = AxisLatency + SkewLatency + GatherLatency + CheckLatency
 ) (
   input logic clk_i,
@@ -68,8 +68,9 @@ module ti_rd_clip #(
   // The ray as given, beside lane 0.
   typedef struct packed {
     logic [1:0] step;
-    logic       bad;   // cannot be traced
-    fp_t        tmin;
+    logic       bad;    // cannot be traced
+    logic       empty;  // tmin > tmax as given
+    fp_t        tmin;   // 0 or more
     fp_t        tmax;
   } along_t;
 
@@ -81,7 +82,7 @@ module ti_rd_clip #(
     logic          outside;
     logic          all_parallel;
     logic          bad;
-    logic          empty;         // tmin > tmax as given
+    logic          empty;
   } bounds_t;
 
   along_t along, along_in;
@@ -94,12 +95,25 @@ module ti_rd_clip #(
   assign nan_tmin = ray_i.tmin[W-2:0] > ti_num_pkg::Inf[W-2:0];
   assign nan_tmax = ray_i.tmax[W-2:0] > ti_num_pkg::Inf[W-2:0];
   assign refused  = ray_i.any_hit && !AnyHit;
-  always_comb begin
-    along_in.step = step_i;
-    along_in.bad  = finite != '1 || nan_tmin || nan_tmax || refused;
-    along_in.tmin = ray_i.tmin;
-    along_in.tmax = ray_i.tmax;
-  end
+  logic given_ordered;
+  ti_fp_cmp #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_given (
+    .a_i(ray_i.tmin),
+    .b_i(ray_i.tmax),
+    .lt_o(),
+    .eq_o(),
+    .le_o(given_ordered),
+    .unordered_o()
+  );
+  assign along_in = '{
+          step: step_i,
+          bad: finite != '1 || nan_tmin || nan_tmax || refused,
+          empty: !given_ordered,
+          tmin: ray_i.tmin[W-1] ? '0 : ray_i.tmin,
+          tmax: ray_i.tmax
+      };
   ti_delay #(
     .payload_t(along_t),
     .Cycles   (AxisLatency)
@@ -108,19 +122,6 @@ module ti_rd_clip #(
     .rst_ni,
     .data_i(along_in),
     .data_o(along)
-  );
-
-  logic given_ordered;
-  ti_fp_cmp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_given (
-    .a_i(along.tmin),
-    .b_i(along.tmax),
-    .lt_o(),
-    .eq_o(),
-    .le_o(given_ordered),
-    .unordered_o()
   );
 
   bounds_t bounds_q[Lanes];
@@ -146,12 +147,12 @@ module ti_rd_clip #(
       always_comb begin
         from = bounds_q[k];
         if (first) begin
-          from.tmin         = along.tmin[W-1] ? '0 : along.tmin;
+          from.tmin         = along.tmin;
           from.tmax         = along.tmax;
           from.outside      = 1'b0;
           from.all_parallel = 1'b1;
           from.bad          = along.bad;
-          from.empty        = !given_ordered;
+          from.empty        = along.empty;
         end
       end
     end else begin : gen_later
@@ -245,48 +246,78 @@ module ti_rd_clip #(
     always_ff @(posedge clk_i) if (axis_valid[k]) bounds_q[k] <= bounds;
   end
 
-  logic gathered_q;
-  bounds_t all;
-  assign all = bounds_q[Lanes-1];
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) gathered_q <= 1'b0;
-    else gathered_q <= axis_valid[Lanes-1] && (Lanes > 1 || along.step == LastStep);
-  end
-
   // Outward, in the order of bit patterns: down to 0, up to infinity at most.
-  fp_t tmin_out, tmax_out, tmin_size, tmax_size;
-  logic ordered, invalid;
+  bounds_t all;
+  fp_t tmin_size, tmax_size;
+  assign all       = bounds_q[Lanes-1];
   assign tmin_size = {1'b0, all.tmin[W-2:0]};
   assign tmax_size = {1'b0, all.tmax[W-2:0]};
-  assign tmin_out = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
-  assign tmax_out  = (tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)) ? ti_num_pkg::Inf :
-      tmax_size + fp_t'(Outward);
+
+  typedef struct packed {
+    fp_t           tmin;
+    fp_t           tmax;
+    ti_pkg::vec3_t inv;
+    logic          invalid;
+    logic          misses;
+  } checked_t;
+  checked_t outward, checked;
+  assign outward = '{
+          tmin: (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0,
+          tmax:
+          (
+          tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)
+          ) ?
+          ti_num_pkg::Inf
+          :
+          tmax_size
+          +
+          fp_t
+          '(
+          Outward
+          ),
+          inv: all.inv,
+          invalid: all.bad || all.all_parallel,
+          misses: all.empty || all.outside || (all.tmax[W-1] && all.tmax[W-2:0] != '0)
+      };
+  ti_delay #(
+    .payload_t(checked_t),
+    .Cycles   (ti_fp_pkg::CmpLatency)
+  ) u_checked (
+    .clk_i,
+    .rst_ni,
+    .data_i(outward),
+    .data_o(checked)
+  );
+  logic ordered;
   ti_fp_cmp #(
     .ExpBits (E),
     .FracBits(M)
   ) u_ordered (
-    .a_i(tmin_out),
-    .b_i(tmax_out),
+    .a_i(checked.tmin),
+    .b_i(checked.tmax),
     .lt_o(),
     .eq_o(),
     .le_o(ordered),
     .unordered_o()
   );
-  assign invalid = all.bad || all.all_parallel;
 
+  logic [CheckLatency:0] valid_q;
   always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) valid_o <= 1'b0;
-    else valid_o <= gathered_q;
+    if (!rst_ni) valid_q <= '0;
+    else
+      valid_q <= {
+        valid_q[CheckLatency-1:0], axis_valid[Lanes-1] && (Lanes > 1 || along.step == LastStep)
+      };
   end
+  assign valid_o = valid_q[CheckLatency];
 
   always_ff @(posedge clk_i) begin
-    if (gathered_q) begin
-      miss_o   <= invalid || all.empty || all.outside || !ordered ||
-          (all.tmax[W-1] && all.tmax[W-2:0] != '0);
-      status_o <= invalid ? ti_pkg::InvalidRay : ti_pkg::Ok;
-      inv_o <= all.inv;
-      tmin_o <= tmin_out;
-      tmax_o <= tmax_out;
+    if (valid_q[CheckLatency-1]) begin
+      miss_o   <= checked.invalid || checked.misses || !ordered;
+      status_o <= checked.invalid ? ti_pkg::InvalidRay : ti_pkg::Ok;
+      inv_o    <= checked.inv;
+      tmin_o   <= checked.tmin;
+      tmax_o   <= checked.tmax;
     end
   end
 
