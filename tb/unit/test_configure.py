@@ -199,7 +199,9 @@ def test_an_unknown_name_lists_the_known_ones(tmp_path):
     out = tmp_path / "config"
     for name in ("nothing", "schema"):
         refused(
-            script(name, "--out", out), out, "there are paper, small, tiny, watertight, or give"
+            script(name, "--out", out),
+            out,
+            "there are fpga, paper, small, tiny, watertight, or give",
         )
 
 
