@@ -38,7 +38,7 @@ early_exit=0 any_hit=0 ray_accumulation=retry stack_depth=0" \
   "tiny stack_depth=6 restart=0 watchdog_steps=100 reciprocal=newton" \
   "tiny triangle_test=np rd_cycles=3" "tiny triangle_test=woop traversal=padded" \
   "tiny triangle_test=woop exp_bits=7 frac_bits=16 rd_cycles=1 early_exit=0" \
-  "tiny traversal=padded stack_depth=6 restart=0 any_hit=0 rd_cycles=2"; do
+  fpga "tiny traversal=padded stack_depth=6 restart=0 any_hit=0 rd_cycles=2 fp_cmp_stages=1"; do
   check "verilator -Wall, $words" elaborate "$words"
 done
 # shellcheck disable=SC2086  # lists of files without spaces

@@ -572,22 +572,23 @@ module ti_ist1_pipe #(
     fp_t                 y;
     logic [TagWidth-1:0] tag;
   } beside_t;
-  beside_t beside;
+  beside_t at_end, beside;
+  always_comb begin
+    at_end = '{
+        det: b_end ? given_end : x1_end,
+        dett: b_end ? dett_end : x3_end,
+        x: b_end ? x1_end : audet,
+        y: b_end ? x2_end : av_end,
+        tag: tag_end
+    };
+  end
   ti_delay #(
     .payload_t(beside_t),
     .Cycles   (ti_fp_pkg::CmpLatency)
   ) u_beside (
     .clk_i,
     .rst_ni,
-    .data_i(
-    '{
-        det: b_end ? given_end : x1_end,
-        dett: b_end ? dett_end : x3_end,
-        x: b_end ? x1_end : audet,
-        y: b_end ? x2_end : av_end,
-        tag: tag_end
-    }
-    ),
+    .data_i(at_end),
     .data_o(beside)
   );
 

@@ -61,15 +61,9 @@ module ti_ist1_verdict #(
     fp_t  limit_up;
     fp_t  x3_up;
   } at_t;
-  at_t at;
-  ti_delay #(
-    .payload_t(at_t),
-    .Cycles   (CmpStages)
-  ) u_at (
-    .clk_i,
-    .rst_ni,
-    .data_i(
-    '{
+  at_t now, at;
+  always_comb begin
+    now = '{
         pass_b: pass_b_i,
         x1: x1_i,
         x2: x2_i,
@@ -79,8 +73,15 @@ module ti_ist1_verdict #(
         nearest: nearest_i,
         limit_up: limit_up,
         x3_up: x3_up
-    }
-    ),
+    };
+  end
+  ti_delay #(
+    .payload_t(at_t),
+    .Cycles   (CmpStages)
+  ) u_at (
+    .clk_i,
+    .rst_ni,
+    .data_i(now),
     .data_o(at)
   );
 

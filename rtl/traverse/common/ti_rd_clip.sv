@@ -107,13 +107,13 @@ module ti_rd_clip #(
     .le_o(given_ordered),
     .unordered_o()
   );
-  assign along_in = '{
-          step: step_i,
-          bad: finite != '1 || nan_tmin || nan_tmax || refused,
-          empty: !given_ordered,
-          tmin: ray_i.tmin[W-1] ? '0 : ray_i.tmin,
-          tmax: ray_i.tmax
-      };
+  always_comb begin
+    along_in.step  = step_i;
+    along_in.bad   = finite != '1 || nan_tmin || nan_tmax || refused;
+    along_in.empty = !given_ordered;
+    along_in.tmin  = ray_i.tmin[W-1] ? '0 : ray_i.tmin;
+    along_in.tmax  = ray_i.tmax;
+  end
   ti_delay #(
     .payload_t(along_t),
     .Cycles   (AxisLatency)
@@ -261,24 +261,14 @@ module ti_rd_clip #(
     logic          misses;
   } checked_t;
   checked_t outward, checked;
-  assign outward = '{
-          tmin: (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0,
-          tmax:
-          (
-          tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)
-          ) ?
-          ti_num_pkg::Inf
-          :
-          tmax_size
-          +
-          fp_t
-          '(
-          Outward
-          ),
-          inv: all.inv,
-          invalid: all.bad || all.all_parallel,
-          misses: all.empty || all.outside || (all.tmax[W-1] && all.tmax[W-2:0] != '0)
-      };
+  always_comb begin
+    outward.tmin = (tmin_size > fp_t'(Outward)) ? tmin_size - fp_t'(Outward) : '0;
+    outward.tmax = tmax_size + fp_t'(Outward);
+    if (tmax_size >= ti_num_pkg::Inf - fp_t'(Outward)) outward.tmax = ti_num_pkg::Inf;
+    outward.inv     = all.inv;
+    outward.invalid = all.bad || all.all_parallel;
+    outward.misses  = all.empty || all.outside || (all.tmax[W-1] && all.tmax[W-2:0] != '0);
+  end
   ti_delay #(
     .payload_t(checked_t),
     .Cycles   (ti_fp_pkg::CmpLatency)

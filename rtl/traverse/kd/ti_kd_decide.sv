@@ -122,15 +122,9 @@ module ti_kd_decide #(
     logic                  below_tmax;
     logic                  up_to_tmin;        // of a leaf: the best t is up to its exit
   } at_t;
-  at_t at;
-  ti_delay #(
-    .payload_t(at_t),
-    .Cycles   (CmpStages)
-  ) u_at (
-    .clk_i,
-    .rst_ni,
-    .data_i(
-    '{
+  at_t now, at;
+  always_comb begin
+    now = '{
         index: index_i,
         link: node_i.link,
         near_is_adjacent: negative_i ~^ node_i.reorder,
@@ -154,8 +148,15 @@ module ti_kd_decide #(
         goes_beyond: tmax_i != ray_tmax_i,
         below_tmax: below_tmax,
         up_to_tmin: up_to_tmin
-    }
-    ),
+    };
+  end
+  ti_delay #(
+    .payload_t(at_t),
+    .Cycles   (CmpStages)
+  ) u_at (
+    .clk_i,
+    .rst_ni,
+    .data_i(now),
     .data_o(at)
   );
 

@@ -182,15 +182,9 @@ module ti_kd_decide_padded #(
     logic                  bounded;       // what is left begins before `raised`
     logic                  lower;         // t_most < tmax
   } at_t;
-  at_t at;
-  ti_delay #(
-    .payload_t(at_t),
-    .Cycles   (CmpStages)
-  ) u_at (
-    .clk_i,
-    .rst_ni,
-    .data_i(
-    '{
+  at_t now, at;
+  always_comb begin
+    now = '{
         index: index_i,
         node: node_i,
         error: error_i,
@@ -217,8 +211,15 @@ module ti_kd_decide_padded #(
         best_ends: best_ends,
         bounded: bounded,
         lower: lower
-    }
-    ),
+    };
+  end
+  ti_delay #(
+    .payload_t(at_t),
+    .Cycles   (CmpStages)
+  ) u_at (
+    .clk_i,
+    .rst_ni,
+    .data_i(now),
     .data_o(at)
   );
 

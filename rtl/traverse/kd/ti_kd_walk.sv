@@ -150,21 +150,22 @@ module ti_kd_walk #(
     ti_pkg::list_index_t first;
     ti_pkg::tri_count_t  count;
   } ended_t;
-  ended_t at_end;
+  ended_t now, at_end;
+  always_comb begin
+    now = '{
+        slot: end_slot,
+        at_leaf: end_node.axis == 2'd3,
+        first: end_node.value,
+        count: end_node.link[15:0]
+    };
+  end
   ti_delay #(
     .payload_t(ended_t),
     .Cycles   (CmpStages)
   ) u_end (
     .clk_i,
     .rst_ni,
-    .data_i(
-    '{
-        slot: end_slot,
-        at_leaf: end_node.axis == 2'd3,
-        first: end_node.value,
-        count: end_node.link[15:0]
-    }
-    ),
+    .data_i(now),
     .data_o(at_end)
   );
   assign end_slot_o = at_end.slot;
