@@ -287,12 +287,13 @@ module ti_trv_best #(
           prim: final_hit.key.prim
       };
 
-  `TI_ASSERT(
-      StepReadsNoSlotWithATokenOnItsWay,
-      !(tbest_read_i && (hit_q && tbest_slot_i == slot_q || at_hit && tbest_slot_i == at.slot || keep && tbest_slot_i == kept_slot)))
-  `TI_ASSERT(
-      RetirementReadsNoSlotWithATokenOnItsWay,
-      !(final_read_i && (hit_q && final_slot_i == slot_q || at_hit && final_slot_i == at.slot || keep && final_slot_i == kept_slot)))
+  // No slot is read that has a token on its way: read, compared or written.
+  `TI_ASSERT(StepMeetsNoTokenRead, !(tbest_read_i && hit_q && tbest_slot_i == slot_q))
+  `TI_ASSERT(StepMeetsNoTokenCompared, !(tbest_read_i && at_hit && tbest_slot_i == at.slot))
+  `TI_ASSERT(StepMeetsNoTokenWritten, !(tbest_read_i && keep && tbest_slot_i == kept_slot))
+  `TI_ASSERT(RetirementMeetsNoTokenRead, !(final_read_i && hit_q && final_slot_i == slot_q))
+  `TI_ASSERT(RetirementMeetsNoTokenCompared, !(final_read_i && at_hit && final_slot_i == at.slot))
+  `TI_ASSERT(RetirementMeetsNoTokenWritten, !(final_read_i && keep && final_slot_i == kept_slot))
   `TI_COVER(SameSlotInARow, hit_q && take_last)
 
 endmodule : ti_trv_best
