@@ -302,7 +302,9 @@ class Retriers(Requesters):
             return
         assert len(seen) == 1, f"access with {seen}"
         self.counts.update(["access", *seen])
-        ticket = self._in_flight[int(self._dut.s1_slot_q.value)]
+        decided = self._dut.s1  # its slot stands first
+        slot = int(decided.value) >> (len(decided) - (self.num_slots - 1).bit_length())
+        ticket = self._in_flight[slot]
         ticket.kind, ticket.decided = seen[0], cycle()
         line = ticket.addr // self.line_bytes
         if ticket.row and ticket.row.answered is not None:
