@@ -144,5 +144,5 @@ async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
 
     for ticket in first + stream:
         if ticket.row:
-            waited = ticket.shown - ticket.row.answered
-            assert waited <= 2 + QUEUED + 2 * slots.num_slots, f"{ticket.addr:#x}: {waited} cycles"
+            waited = ticket.read - ticket.row.answered
+            assert waited <= 2 + 2 * slots.num_slots, f"{ticket.addr:#x}: {waited} cycles"
