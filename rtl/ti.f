@@ -7,6 +7,7 @@ rtl/traverse/common/ti_traverse_pkg.sv
 rtl/traverse/kd/ti_kd_pkg.sv
 rtl/intersect/ti_intersect_pkg.sv
 rtl/host/ti_regs_pkg.sv
+rtl/common/ti_regfile.sv
 rtl/common/ti_fifo.sv
 rtl/common/ti_queue.sv
 rtl/common/ti_ram_1r1w.sv
@@ -28,6 +29,8 @@ rtl/fp/ti_fp_newton.sv
 rtl/fp/ti_fp_rcp.sv
 rtl/fp/ti_fp_class.sv
 rtl/mem/ti_l1.sv
+rtl/mem/ti_ra_rows.sv
+rtl/mem/ti_ra_retry.sv
 rtl/mem/ti_ra.sv
 rtl/mem/ti_l2_bank.sv
 rtl/mem/ti_l2.sv

@@ -295,8 +295,17 @@ def check_l1(path: Path, config: dict[str, int], unit: str) -> None:
 
 
 def check_l2(path: Path, config: dict[str, int], unit: str) -> None:
-    """The banks of the L2 of `unit`, where there is one, divide into powers of two of sets."""
+    """The banks of the L2 of `unit`, where there is one, divide into powers of two of sets.
+
+    Its latency has room for crossbar, queue and look-up.
+    """
     if config[f"{unit}_l2_bytes"]:
+        least = config["lookup_stages"] + 3
+        if config["l2_latency"] < least:
+            raise ConfigError(
+                f"{path}: l2_latency is {config['l2_latency']}, but must be at least "
+                f"lookup_stages + 3, {least}"
+            )
         check_sets(path, config, f"{unit}_l2", config[f"{unit}_l2_banks"])
 
 

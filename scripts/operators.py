@@ -201,7 +201,9 @@ def store_kind(modules: list[str], instance: str, name: str, is_array: bool) -> 
         return "delays"
     if not is_array:
         return "registers"
-    return {"ti_ram_1r1w": "slots", "ti_fifo": "queues"}.get(module, "arrays")
+    if module == "ti_ram_1r1w":
+        return "slots"
+    return "queues" if "ti_fifo" in modules else "arrays"
 
 
 def measure(top) -> dict[str, list[Unit]]:

@@ -7,8 +7,7 @@
 ///
 /// A beat taken in one cycle can leave in the next; one beat a cycle both ways (one in two cycles with
 /// Depth 1).  `in_ready_o` and `out_valid_o` come from registers, so no path runs through: with Depth 2 this is
-/// what cuts a stream at the border of a unit.  `out_data_o` is an asynchronous read: these queues are short or
-/// narrow, so they map to distributed RAM.
+/// what cuts a stream at the border of a unit.  `out_data_o` is an asynchronous read of a `ti_regfile`.
 module ti_fifo #(
   parameter type payload_t = logic,
   /// Entries, 1 or more.
@@ -28,14 +27,12 @@ module ti_fifo #(
   output payload_t out_data_o
 );
 
-  payload_t mem_q[Depth];
   logic [PointerWidth-1:0] head_q, tail_q, head_next, tail_next;
   logic [CountWidth-1:0] count_q;
   logic push, pop;
 
   assign in_ready_o  = count_q != CountWidth'(Depth);
   assign out_valid_o = count_q != '0;
-  assign out_data_o  = mem_q[head_q];
   assign push        = in_valid_i && in_ready_o;
   assign pop         = out_valid_o && out_ready_i;
 
@@ -54,9 +51,17 @@ module ti_fifo #(
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (push) mem_q[tail_q] <= in_data_i;
-  end
+  ti_regfile #(
+    .Depth (Depth),
+    .word_t(payload_t)
+  ) u_words (
+    .clk_i,
+    .read_addr_i (head_q),
+    .read_data_o (out_data_o),
+    .write_en_i  (push),
+    .write_addr_i(tail_q),
+    .write_data_i(in_data_i)
+  );
 
   if (Depth < 1) begin : gen_check_depth
     $error("ti_fifo: Depth must be 1 or more");

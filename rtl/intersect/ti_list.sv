@@ -6,8 +6,8 @@
 /// LIST: reads the triangle numbers of a leaf and sends one test for each.
 ///
 /// A leaf lives in a slot; the slots are served in turn, one list entry a cycle in all.  From a leaf taken to its
-/// first test 4 cycles with the line in the L1.  All tests of a leaf go out as fast as they are
-/// read; they need not wait for one another.  When memory answers with an error, or the entry lies beyond
+/// first test 3 cycles and `lookup_stages` with the line in the L1.  All tests of a leaf go out as fast as they are read;
+/// they need not wait for one another.  When memory answers with an error, or the entry lies beyond
 /// `num_list_i` or names a triangle beyond `num_records_i`, one return token accounts for all tests that the
 /// leaf still had to send.  The caller guarantees `leaf.count` >= 1.
 module ti_list #(
@@ -50,22 +50,29 @@ module ti_list #(
   localparam int unsigned SlotWidth = $clog2(NumSlots);
   typedef logic [SlotWidth-1:0] slot_t;
 
-  // Slots: what the tests of the leaf share, and how far it has been read.
+  // Slots: what the tests of the leaf share, the entry that is read next, and how many are left from it on.
   typedef struct packed {
     ti_pkg::home_t         home;
     ti_pkg::ray_operands_t operands;
     ti_pkg::fp_t           tnear;
     ti_pkg::fp_t           tfar;
   } shared_t;
+  typedef struct packed {
+    ti_pkg::list_index_t position;
+    ti_pkg::tri_count_t  count;
+  } left_t;
+  localparam int unsigned WordWidth = ti_mem_pkg::AddrWidth - 2;
+  typedef logic [WordWidth-1:0] word_addr_t;
 
-  logic slot_free, take, again, done, step;
+  logic slot_free, take, again, write, done, step;
   slot_t new_slot, rsp_slot, answer_slot_q;
-  ti_pkg::list_index_t position_q [NumSlots];
-  ti_pkg::tri_count_t  remaining_q[NumSlots];
-  ti_pkg::tri_count_t  remaining;
+  left_t left, left_next;  // of the slot that is answered, and as it is written
+  left_t answer_left_q;  // the entry after the answer's, and how many there were with it
+  word_addr_t next_word;
 
   assign leaf_ready_o = slot_free && !again;
   assign take         = leaf_valid_i && leaf_ready_o;
+  assign write        = again || (leaf_valid_i && slot_free);  // either
 
   ti_slot_pool #(
     .NumSlots(NumSlots)
@@ -89,11 +96,44 @@ module ti_list #(
   ) u_next (
     .clk_i,
     .rst_ni,
-    .push_i     (take || again),
+    .push_i     (write),
     .push_data_i(again ? answer_slot_q : new_slot),
     .out_valid_o(next_valid),
     .out_ready_i(next_ready),
     .out_data_o (next_slot)
+  );
+
+  // A leaf that is taken or goes on; its entry's address is made here, to be there when its turn comes.
+  slot_t write_slot;
+  word_addr_t list_word, again_word, first_word;
+  assign list_word = word_addr_t'(list_base_i >> 2);
+  assign again_word = list_word + word_addr_t'(answer_left_q.position);
+  assign first_word = list_word + word_addr_t'(leaf_data_i.first);
+  assign write_slot = again ? answer_slot_q : new_slot;
+  assign left_next = again ?
+      '{position: answer_left_q.position, count: answer_left_q.count - 1'b1} :
+      '{position: leaf_data_i.first, count: leaf_data_i.count};
+  ti_regfile #(
+    .Depth (NumSlots),
+    .word_t(left_t)
+  ) u_left (
+    .clk_i,
+    .read_addr_i (rsp_slot),
+    .read_data_o (left),
+    .write_en_i  (write),
+    .write_addr_i(write_slot),
+    .write_data_i(left_next)
+  );
+  ti_regfile #(
+    .Depth (NumSlots),
+    .word_t(word_addr_t)
+  ) u_words (
+    .clk_i,
+    .read_addr_i (next_slot),
+    .read_data_o (next_word),
+    .write_en_i  (write),
+    .write_addr_i(write_slot),
+    .write_data_i(again ? again_word : first_word)
   );
 
   logic rsp_valid, rsp_ready, rsp_error;
@@ -117,7 +157,7 @@ module ti_list #(
     .req_valid_i(next_valid),
     .req_ready_o(next_ready),
     .req_slot_i (next_slot),
-    .req_addr_i (list_base_i + (ti_mem_pkg::addr_t'(position_q[next_slot]) << 2)),
+    .req_addr_i ({next_word, 2'b00}),
     .rsp_valid_o(rsp_valid),
     .rsp_ready_i(rsp_ready),
     .rsp_slot_o (rsp_slot),
@@ -133,7 +173,7 @@ module ti_list #(
   );
 
   // The answer beside the slot's shared operands.
-  logic answer_valid_q, answer_error_q, answer_taken;
+  logic answer_valid_q, answer_error_q, answer_no_record_q, answer_last_q, answer_bad, answer_taken;
   ti_pkg::record_t answer_record_q;
   shared_t shared;
 
@@ -148,8 +188,10 @@ module ti_list #(
     if (rsp_valid && rsp_ready) begin
       answer_slot_q <= rsp_slot;
       answer_record_q <= ti_pkg::record_t'(rsp_id);
-      answer_error_q <= rsp_error || position_q[rsp_slot] >= num_list_i ||
-          rsp_id >= 32'(num_records_i);
+      answer_error_q <= rsp_error || left.position >= num_list_i;
+      answer_no_record_q <= rsp_id >= 32'(num_records_i);
+      answer_last_q <= left.count == 16'd1;
+      answer_left_q <= '{position: left.position + 1'b1, count: left.count};
     end
   end
 
@@ -173,9 +215,8 @@ module ti_list #(
     )
   );
 
-  assign remaining = remaining_q[answer_slot_q];
-
-  assign test_valid_o = answer_valid_q && !answer_error_q;
+  assign answer_bad = answer_error_q || answer_no_record_q;
+  assign test_valid_o = answer_valid_q && !answer_bad;
   assign test_data_o = '{
           home: shared.home,
           record: answer_record_q,
@@ -184,29 +225,18 @@ module ti_list #(
           tfar: shared.tfar
       };
 
-  assign return_valid_o = answer_valid_q && answer_error_q;
+  assign return_valid_o = answer_valid_q && answer_bad;
   always_comb begin
     return_data_o       = '0;
     return_data_o.home  = shared.home;
-    return_data_o.count = remaining;
+    return_data_o.count = answer_left_q.count;
     return_data_o.error = 1'b1;
   end
 
   assign step         = test_valid_o && test_ready_i;
   assign answer_taken = step || (return_valid_o && return_ready_i);
-  assign again        = step && remaining != 16'd1;
+  assign again        = step && !answer_last_q;
   assign done         = answer_taken && !again;
-
-  always_ff @(posedge clk_i) begin
-    if (take) begin
-      position_q[new_slot]  <= leaf_data_i.first;
-      remaining_q[new_slot] <= leaf_data_i.count;
-    end
-    if (again) begin
-      position_q[answer_slot_q]  <= position_q[answer_slot_q] + 1'b1;
-      remaining_q[answer_slot_q] <= remaining - 1'b1;
-    end
-  end
 
   // What happens, for counting.
   logic [SlotWidth:0] inside_q;  // leaves

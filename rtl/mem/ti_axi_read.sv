@@ -69,7 +69,7 @@ module ti_axi_read #(
   logic free_valid, ar_room, take, beat, known;
   axi_id_t free_id;
   logic [NumEntries-1:0] outstanding_q;
-  id_t id_q[NumEntries];
+  id_t beat_id;
 
   ti_slot_pool #(
     .NumSlots(NumEntries)
@@ -96,7 +96,18 @@ module ti_axi_read #(
       if (take) outstanding_q[free_id] <= 1'b1;
     end
   end
-  always_ff @(posedge clk_i) if (take) id_q[free_id] <= req_id_i;
+
+  ti_regfile #(
+    .Depth (NumEntries),
+    .word_t(id_t)
+  ) u_ids (
+    .clk_i,
+    .read_addr_i (m_axi_rid),
+    .read_data_o (beat_id),
+    .write_en_i  (take),
+    .write_addr_i(free_id),
+    .write_data_i(req_id_i)
+  );
 
   // AR.
   ar_t ar;
@@ -134,7 +145,7 @@ module ti_axi_read #(
 
   always_ff @(posedge clk_i) begin
     if (beat && known) begin
-      rsp_id_o    <= id_q[m_axi_rid];
+      rsp_id_o    <= beat_id;
       rsp_data_o  <= m_axi_rdata;
       rsp_error_o <= m_axi_rresp[1] || !m_axi_rlast;
     end

@@ -5,9 +5,10 @@
 
 /// The line store of a `ti_ra`: tags, lines, choice of a victim.  It knows nothing of who waits.
 ///
-/// A look-up takes two cycles.  `lookup_en_i` reads the tags of a set; from the next cycle on
-/// (`hit_o`, `hit_way_o`, `victim_*_o`) speak of `line_i`, which the caller holds still.  `read_en_i`
-/// then reads a line, which stands in `line_o` from the cycle after until the next read.
+/// A look-up takes 2 cycles, with `Compare` 3.  `lookup_en_i` reads the tags of a set; `Compare` compares them with
+/// `compare_line_i` in the cycle of `compare_en_i`, the next one or later; from the cycle after, `hit_o`, `hit_way_o`
+/// and `victim_*_o` speak of `line_i`, which the caller holds still until it uses them.  `read_en_i` then reads a line,
+/// which stands in `line_o` from the cycle after until the next read.
 ///
 /// `alloc_i` reserves the victim's place for `line_i`: its old line is forgotten and the place is
 /// pinned.  `fill_i` writes an arrived line into a reserved place; `unpin_i` lets it be a victim again.
@@ -20,6 +21,8 @@ module ti_l1 #(
   parameter int unsigned Ways = 2,
   parameter int unsigned LineBytes = 64,
   parameter int unsigned LineAddrWidth = 26,
+  /// Tags are compared in a cycle of their own; else in the one that uses the result.
+  parameter bit Compare = 1'b0,
   localparam int unsigned Sets = CacheBytes / ((Ways > 0) ? Ways * LineBytes : 1),
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1,
   localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1
@@ -30,6 +33,10 @@ module ti_l1 #(
 
   input logic                lookup_en_i,
   input logic [SetWidth-1:0] lookup_set_i,
+
+  // With `Compare`; a look-up is used only in the cycle in which the next one takes its place.
+  input logic                     compare_en_i,
+  input logic [LineAddrWidth-1:0] compare_line_i,
 
   input  logic [LineAddrWidth-1:0] line_i,
   output logic                     hit_o,
@@ -65,12 +72,12 @@ module ti_l1 #(
 
   logic [SetWidth-1:0] set;
   tag_t tag;
-  tag_row_t tags_ram, tags, tags_new, tags_new_q;
+  tag_row_t tags_ram, tags_read, tags, tags_new, tags_new_q;
   logic bypass_q;
   logic [Ways-1:0] valid_q[Sets];
   logic [Ways-1:0] pinned_q[Sets];
   logic [TreeNodes-1:0] tree_q[Sets];
-  logic [Ways-1:0] match;
+  logic [Ways-1:0] same_tag, match;
 
   assign set = (Sets > 1) ? line_i[SetWidth-1:0] : '0;
   assign tag = tag_t'(line_i >> SetBits);
@@ -89,7 +96,7 @@ module ti_l1 #(
   );
 
   // A set that is written while it is read comes out as written.
-  assign tags = bypass_q ? tags_new_q : tags_ram;
+  assign tags_read = bypass_q ? tags_new_q : tags_ram;
 
   always_comb begin
     tags_new = tags;
@@ -101,13 +108,73 @@ module ti_l1 #(
     else if (lookup_en_i) bypass_q <= alloc_i && lookup_set_i == set;
   end
 
+  always_ff @(posedge clk_i) if (alloc_i) tags_new_q <= tags_new;
+
+  // The set that is looked up next, and a way of it that is taken in the same cycle.
+  logic next_en, again;
+  logic [SetWidth-1:0] next_set;
+  logic [Ways-1:0] taken;
+  assign again = next_set == set;
+  for (genvar w = 0; w < Ways; w++) begin : gen_taken
+    assign taken[w] = again && alloc_i && victim_way_o == WayWidth'(w);
+  end
+
+  if (!Compare) begin : gen_together
+    assign next_en  = lookup_en_i;
+    assign next_set = lookup_set_i;
+    assign tags     = tags_read;
+    for (genvar w = 0; w < Ways; w++) begin : gen_way
+      assign same_tag[w] = tags[w] == tag;
+    end
+    logic unused;
+    assign unused = compare_en_i ^ (^compare_line_i);
+  end else begin : gen_compared
+    tag_t compare_tag;
+    tag_row_t tags_q;
+    logic [Ways-1:0] same_tag_q;
+    assign next_en     = compare_en_i;
+    assign next_set    = (Sets > 1) ? compare_line_i[SetWidth-1:0] : '0;
+    assign compare_tag = tag_t'(compare_line_i >> SetBits);
+    for (genvar w = 0; w < Ways; w++) begin : gen_way
+      always_ff @(posedge clk_i) begin
+        if (compare_en_i) begin
+          tags_q[w]     <= taken[w] ? tag : tags_read[w];
+          same_tag_q[w] <= taken[w] ? compare_tag == tag : compare_tag == tags_read[w];
+        end
+      end
+    end
+    assign tags     = tags_q;
+    assign same_tag = same_tag_q;
+
+    `TI_ASSERT(UsedAsTheNextIsCompared, touch_i || alloc_i |-> compare_en_i)
+  end
+
+  // What is known of the set that is looked up, in registers that follow it.
+  logic [Ways-1:0] set_valid_q, set_pinned_q;
+  logic [TreeNodes-1:0] set_tree_q, tree_after;
   always_ff @(posedge clk_i) begin
-    if (lookup_en_i && alloc_i) tags_new_q <= tags_new;
+    if (next_en) set_tree_q <= (again && (touch_i || alloc_i)) ? tree_after : tree_q[next_set];
+  end
+  for (genvar w = 0; w < Ways; w++) begin : gen_set
+    logic fills, unpins;
+    assign fills  = fill_i && fill_way_i == WayWidth'(w);
+    assign unpins = unpin_i && unpin_way_i == WayWidth'(w);
+    always_ff @(posedge clk_i) begin
+      if (next_en) begin
+        set_valid_q[w] <= (fills && fill_set_i == next_set) ? fill_good_i :
+            valid_q[next_set][w] && !taken[w];
+        set_pinned_q[w] <= taken[w] ||
+            (pinned_q[next_set][w] && !(unpins && unpin_set_i == next_set));
+      end else begin
+        if (fills && fill_set_i == set) set_valid_q[w] <= fill_good_i;
+        if (unpins && unpin_set_i == set) set_pinned_q[w] <= 1'b0;
+      end
+    end
   end
 
   // Look-up.
+  assign match = set_valid_q & same_tag;
   always_comb begin
-    for (int unsigned w = 0; w < Ways; w++) match[w] = valid_q[set][w] && tags[w] == tag;
     hit_o     = |match;
     hit_way_o = '0;
     for (int unsigned w = 0; w < Ways; w++) if (match[w]) hit_way_o = WayWidth'(w);
@@ -115,23 +182,21 @@ module ti_l1 #(
 
   // Tree pseudo-LRU: each node points to the half used longer ago.  The victim is at the end of the pointers; the
   // nodes on the way to a way that is used point away from it afterwards.
-  logic [TreeNodes-1:0] tree, tree_after;
   logic [WayWidth-1:0] lru_way, used_way;
   int unsigned victim_node, used_node;
-  assign tree     = tree_q[set];
   assign used_way = alloc_i ? victim_way_o : hit_way_o;
 
   always_comb begin
     lru_way     = '0;
     victim_node = 0;
     for (int level = 0; level < Levels; level++) begin
-      lru_way = WayWidth'({lru_way, tree[victim_node]});
-      victim_node = 2 * victim_node + 1 + 32'(tree[victim_node]);
+      lru_way = WayWidth'({lru_way, set_tree_q[victim_node]});
+      victim_node = 2 * victim_node + 1 + 32'(set_tree_q[victim_node]);
     end
   end
 
   always_comb begin
-    tree_after = tree;
+    tree_after = set_tree_q;
     used_node  = 0;
     for (int level = 0; level < Levels; level++) begin
       tree_after[used_node] = !used_way[Levels-1-level];
@@ -140,7 +205,7 @@ module ti_l1 #(
   end
 
   logic [Ways-1:0] allowed;
-  assign allowed        = ~pinned_q[set];
+  assign allowed        = ~set_pinned_q;
   assign victim_valid_o = |allowed;
 
   always_comb begin
@@ -149,7 +214,7 @@ module ti_l1 #(
       for (int i = int'(Ways) - 1; i >= 0; i--) if (allowed[i]) victim_way_o = WayWidth'(i);
     end
     for (int i = int'(Ways) - 1; i >= 0; i--) begin
-      if (allowed[i] && !valid_q[set][i]) victim_way_o = WayWidth'(i);
+      if (allowed[i] && !set_valid_q[i]) victim_way_o = WayWidth'(i);
     end
   end
 

@@ -23,7 +23,7 @@ module ti_l2 #(
   parameter int unsigned Ways = 2,
   /// Lines on their way to a bank.
   parameter int unsigned Rows = 2,
-  /// Cycles from a request to its answer on a hit, 4 or more.
+  /// Cycles from a request to its answer on a hit, `ti_config_pkg::LookupStages` + 3 or more.
   parameter int unsigned Latency = 20
 ) (
   input  logic clk_i,
@@ -186,8 +186,8 @@ module ti_l2 #(
   if (NumUnits < 1) begin : gen_check_units
     $error("ti_l2: NumUnits must be 1 or more");
   end
-  if (Latency < 4) begin : gen_check_latency
-    $error("ti_l2: Latency must be 4 or more");
+  if (Latency < ti_config_pkg::LookupStages + 3) begin : gen_check_latency
+    $error("ti_l2: Latency must be LookupStages + 3 or more");
   end
 
   `TI_ASSERT(AnswersOneUnit, (rsp_ready & ~rsp_valid) == '0)

@@ -8,7 +8,7 @@
 /// So it is non-blocking: `Rows` lines are on their way at a time, units that need one of them gather in its row, and
 /// one fill serves them all, one a cycle; hits pass.  A request has a slot by its nature, the unit and the id under
 /// which it asks.  `Latency` cycles from a request to its answer on a hit, one a cycle: the requests run
-/// through a delay that stands for the wires and the large memory, then 2 cycles in `ti_ra`.
+/// through a delay that stands for the wires and the large memory, then `ti_ra`.
 /// The sets of a bank hold the lines whose number ends in the bank's: inside, a line's number is turned so that
 /// these bits are the highest.
 module ti_l2_bank #(
@@ -20,7 +20,7 @@ module ti_l2_bank #(
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
   parameter int unsigned Rows = 2,
-  /// Cycles from a request to its answer on a hit, 3 or more.
+  /// Cycles from a request to its answer on a hit, `ti_config_pkg::LookupStages` + 2 or more.
   parameter int unsigned Latency = 19,
   localparam int unsigned UnitWidth = (NumUnits > 1) ? $clog2(NumUnits) : 1
 ) (
@@ -50,7 +50,7 @@ module ti_l2_bank #(
   output ti_count_pkg::l2_events_t events_o
 );
 
-  localparam int unsigned RaLatency = 2;
+  localparam int unsigned RaLatency = ti_config_pkg::LookupStages + 1;
   localparam int unsigned QueueLatency = 1;
   localparam int unsigned LeastLatency = QueueLatency + RaLatency;
   localparam int unsigned DelayCycles = (Latency > LeastLatency) ? Latency - LeastLatency : 0;
@@ -195,7 +195,7 @@ module ti_l2_bank #(
     $error("ti_l2_bank: NumBanks must be a power of two, less than the lines of memory");
   end
   if (Latency < LeastLatency) begin : gen_check_latency
-    $error("ti_l2_bank: Latency must be 3 or more");
+    $error("ti_l2_bank: Latency must be LookupStages + 2 or more");
   end
 
   `TI_ASSERT(AsksWithItsIds,

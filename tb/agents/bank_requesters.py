@@ -39,6 +39,9 @@ class BankRequesters(Requesters):
         answer = payloads().unpack("line_rsp_t", int(self._dut.rsp_data_o.value))
         return int(self._dut.rsp_unit_o.value), answer["id"]
 
+    def _read_slot(self):
+        return self._slot() if self._dut.rsp_valid_o.value == 1 else None
+
     def _answer(self):
         answer = payloads().unpack("line_rsp_t", int(self._dut.rsp_data_o.value))
         return answer["error"] == 1, answer["data"]

@@ -22,7 +22,8 @@ class Ticket:
     taken: int = None
     kind: str = None  # a value of EVENTS
     decided: int = None
-    shown: int = None  # the answer stands at the port
+    read: int = None  # the answer has left the row or the look-up
+    shown: int = None  # it stands at the port
     done: int = None  # and has been taken
     error: bool = None
     row: "Row" = None
@@ -135,6 +136,7 @@ class Requesters:
             self._drive()
             await ReadOnly()
             self._see_state()
+            self._see_read()
             self._see_response()
             self._see_event()
             self._see_lines()
@@ -202,6 +204,13 @@ class Requesters:
             row.answered, row.error = cycle(), error
             self._cache.fill(row.place, None if error else self._inside(line))
 
+    def _see_read(self):
+        slot = self._read_slot()
+        ticket = self._in_flight.get(slot)
+        if ticket is not None and ticket.read is None:
+            ticket.read = cycle()
+            self._first_read(ticket)
+
     def _see_response(self):
         dut = self._dut
         if dut.rsp_valid_o.value == 0:
@@ -212,7 +221,7 @@ class Requesters:
         ticket = self._in_flight[slot]
         assert self._shown in (None, ticket), "an answer changed before it was taken"
         if self._shown is None:
-            self._first_sight(ticket)
+            self._shown, ticket.shown = ticket, cycle()
         self._check(ticket)
         if dut.rsp_ready_i.value == 1:
             ticket.done, self._shown = cycle(), None
@@ -220,11 +229,10 @@ class Requesters:
             del self._in_flight[slot]
             self._free.add(slot)
 
-    def _first_sight(self, ticket):
-        self._shown, ticket.shown = ticket, cycle()
+    def _first_read(self, ticket):
         row = ticket.row
         if row is None:
-            assert ticket.kind == "hit" and ticket.shown == ticket.decided + 1
+            assert ticket.kind == "hit" and ticket.read == ticket.decided + 1
             return
         assert row.answered is not None, "an answer before its line"
         row.waiting.remove(ticket)
@@ -261,6 +269,10 @@ class Requesters:
 
     def _slot(self):
         return int(self._dut.rsp_slot_o.value)
+
+    def _read_slot(self):
+        """Whose answer has been read from the line store; behind it there may be a queue."""
+        return int(self._dut.s2_slot_q.value) if self._dut.s2_valid_q.value == 1 else None
 
     def _answer(self):
         """Error and bytes of the answer at the port; the bytes may be anything with an error."""
@@ -302,7 +314,9 @@ class Retriers(Requesters):
             return
         assert len(seen) == 1, f"access with {seen}"
         self.counts.update(["access", *seen])
-        ticket = self._in_flight[int(self._dut.s1_slot_q.value)]
+        decided = self._dut.s1  # its slot stands first
+        slot = int(decided.value) >> (len(decided) - (self.num_slots - 1).bit_length())
+        ticket = self._in_flight[slot]
         ticket.kind, ticket.decided = seen[0], cycle()
         line = ticket.addr // self.line_bytes
         if ticket.row and ticket.row.answered is not None:
@@ -322,9 +336,9 @@ class Retriers(Requesters):
             self._rows.append(ticket.row)
         assert ticket.kind == want, f"line {line:#x}: {ticket.kind}, must be {want}"
 
-    def _first_sight(self, ticket):
-        assert ticket.kind == "hit" and cycle() == ticket.decided + 1
-        super()._first_sight(ticket)
+    def _first_read(self, ticket):
+        assert ticket.kind == "hit" and ticket.read == ticket.decided + 1
+        super()._first_read(ticket)
 
     def finish(self):
         """Check the sums when everything is over."""

@@ -4,7 +4,7 @@
 ///
 /// Streams: [0] is a `ti_stage`, the others are a `ti_fifo` of `StreamDepth[i]`.  The `ti_queue` has
 /// four entries.  `delayed_data_o[c]` is `data_i`, c cycles late.  Pool i has `PoolSlots[i]` slots.
-/// Round robin n - 1 has n requests.
+/// Round robin n - 1 has n requests.  RAM and `ti_regfile`, as memory and as registers, share address and writes.
 module ti_common_top #(
   localparam int unsigned NumStreams = 6,
   localparam int unsigned StreamDepth[NumStreams] = '{1, 1, 2, 3, 8, 16},
@@ -37,6 +37,7 @@ module ti_common_top #(
   input  logic        read_en_i,
   input  logic [ 2:0] read_addr_i,
   output logic [15:0] read_data_o,
+  output logic [15:0] file_data_o [2],
   input  logic        write_en_i,
   input  logic [ 2:0] write_addr_i,
   input  logic [15:0] write_data_i,
@@ -123,6 +124,21 @@ module ti_common_top #(
     .write_addr_i,
     .write_data_i
   );
+
+  for (genvar i = 0; i < 2; i++) begin : gen_file
+    ti_regfile #(
+      .word_t (payload_t),
+      .Depth  (6),
+      .RamBits((i == 0) ? 96 : 97)
+    ) u_file (
+      .clk_i,
+      .read_addr_i,
+      .read_data_o(file_data_o[i]),
+      .write_en_i,
+      .write_addr_i,
+      .write_data_i
+    );
+  end
 
   for (genvar i = 0; i < NumPools; i++) begin : gen_pool
     localparam int unsigned SlotWidth = $clog2(PoolSlots[i]);

@@ -57,6 +57,8 @@ def test_the_defaults_are_a_configuration(tmp_path):
         ("ist1_slots=1", "power of two from 2 to 256"),
         ("stack_depth=-1", "0 to 64"),
         ("stack_depth=65", "0 to 64"),
+        ("lookup_stages=0", "1 to 3"),
+        ("lookup_stages=4", "1 to 3"),
         ("line_bytes=16", "power of two from 32 to 128"),
         ("line_bytes=96", "power of two from 32 to 128"),
         ("trv_l1_ways=0", "1 to 16"),
@@ -168,6 +170,15 @@ def test_the_guard_of_an_interval_follows_the_rounding_unless_it_is_given(tmp_pa
     assert guard("reciprocal=newton", "rcp_table_bits=10", "rcp_newton_steps=1") == 23
     assert guard("rounding=zero", "interval_guard=4") == 4
     assert guard("rounding=zero", file=tmp_path / "one.yaml") == 1
+
+
+def test_an_l2_has_time_for_its_look_up(tmp_path):
+    out = tmp_path / "config"
+    keys = ("trv_l2_bytes=2048", "trv_l2_ways=2", "lookup_stages=3")
+    sentence = "l2_latency is 5, but must be at least lookup_stages + 3, 6"
+    refused(script("tiny", *keys, "l2_latency=5", "--out", out), out, sentence)
+    assert configure.load("tiny", [*keys, "l2_latency=6"])
+    assert configure.load("tiny", ["lookup_stages=3", "l2_latency=4"])  # there is no L2
 
 
 @pytest.mark.parametrize("override", ["num_trv", "num_trv=", "=1"])

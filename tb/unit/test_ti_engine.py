@@ -331,7 +331,7 @@ SHAPES = {
     "cores": (
         "cores=2 streams=1 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=0 "
         "rd_cycles=1 trv_l2_bytes=2048 trv_l2_banks=2 trv_l2_ways=2 ist1_l2_bytes=1024 "
-        "l2_latency=9 ist1_l2_ways=1 ist1_spill=3",
+        "lookup_stages=2 l2_latency=9 ist1_l2_ways=1 ist1_spill=3",
         SOME,
     ),
     "short_lines": (
@@ -348,8 +348,7 @@ SHAPES = {
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
         "ray_accumulation=blocking "
         "fp_add_stages=10 fp_mul_stages=8 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=5 "
-        "fp_cmp_stages=1 "
-        "ring_delays=0 sync_reset=0",
+        "fp_cmp_stages=1 lookup_stages=3 ring_delays=0 sync_reset=0",
         f"{SOME}|hard_cases",
     ),
 }

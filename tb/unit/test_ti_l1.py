@@ -11,6 +11,7 @@ from models.payload import parameter
 # CacheBytes, Ways, LineBytes: many sets and one, a single line, and every depth of the tree.
 SHAPES = [(256, 1, 64), (16, 1, 16), (256, 2, 32), (128, 4, 16), (128, 8, 16)]
 PULSES = ("touch_i", "alloc_i", "fill_i", "unpin_i", "flush_i")
+COMPARE = parameter("Compare", 0) == 1
 
 
 class L1:
@@ -35,6 +36,10 @@ class L1:
     async def look_up(self, line, settle=0):
         """Look `line` up; returns the way that holds it, or None.  `settle` extra cycles first."""
         await self._step(lookup_en_i=1, lookup_set_i=self._cache.set_of(line))
+        if COMPARE:
+            for _ in range(settle):
+                await RisingEdge(self._dut.clk_i)
+            await self._step(compare_en_i=1, compare_line_i=line)
         self._dut.line_i.value = line
         for _ in range(settle):
             await RisingEdge(self._dut.clk_i)
@@ -55,23 +60,49 @@ class L1:
     async def use(self, line, way):
         """The hit of the look-up that stands is used: the line is read and touched."""
         s = self._cache.set_of(line)
-        await self._step(touch_i=1, read_en_i=1, read_set_i=s, read_way_i=way)
+        await self._step(touch_i=1, compare_en_i=1, read_en_i=1, read_set_i=s, read_way_i=way)
         self._cache.touch(line)
         await self._check_data((s, way))
 
-    async def alloc(self, line, then=None):
-        """Reserve a place for the look-up that stands; look `then` up in the same cycle."""
-        look = {}
-        if then is not None:
-            look = {"lookup_en_i": 1, "lookup_set_i": self._cache.set_of(then)}
-        await self._step(alloc_i=1, **look)
-        if then is not None:
-            self._dut.line_i.value = then
+    async def use_and_see(self, line, way, then):
+        """The hit of the look-up that stands is used as `then` is looked up."""
+        await self._as_it_is_used(then, touch_i=1)
+        self._cache.touch(line)
+        return await self.see(then)
+
+    async def alloc(self, line, then=None, early=False):
+        """Reserve a place for the look-up that stands; look `then` up in the same cycle.
+
+        With `early`, and a comparison of its own, its tags have been read before.
+        """
+        if then is None:
+            await self._step(alloc_i=1, compare_en_i=1)
+        else:
+            await self._as_it_is_used(then, early, alloc_i=1)
         return self._cache.alloc(line)
 
-    async def fill(self, place, line, data, good=True):
+    async def _as_it_is_used(self, then, early=True, **ports):
+        """Look `then` up in the cycle of `ports`."""
+        look = {"lookup_en_i": 1, "lookup_set_i": self._cache.set_of(then)}
+        compare = {"compare_en_i": 1, "compare_line_i": then}
+        if not COMPARE:
+            await self._step(**ports, **look)
+        elif early:
+            await self._step(**look)
+            await self._step(**ports, **compare)
+        else:
+            await self._step(**ports, **look, compare_en_i=1)
+            await self._step(**compare)
+        self._dut.line_i.value = then
+
+    async def fill(self, place, line, data, good=True, then=None):
+        """The line has come; with `then`, as that is compared, its tags having been read."""
         ports = {"fill_set_i": place[0], "fill_way_i": place[1], "fill_data_i": data}
-        await self._step(fill_i=1, fill_good_i=int(good), **ports)
+        ports |= {"fill_i": 1, "fill_good_i": int(good)}
+        if then is None:
+            await self._step(**ports)
+        else:
+            await self._as_it_is_used(then, **ports)
         self._cache.fill(place, line if good else None)
         self._data[place] = data
 
@@ -233,25 +264,46 @@ async def has_no_victim_while_all_ways_are_pinned(dut):
 
 
 @cocotb.test()
-async def sees_a_set_as_the_write_in_the_same_cycle_leaves_it(dut):
+@cocotb.parametrize(early=[False, True] if COMPARE else [False])
+async def sees_a_set_as_the_write_in_the_same_cycle_leaves_it(dut, early):
     rng = await start(dut)
     l1 = L1(dut)
     old, new = l1.line(0, 1), l1.line(0, 2)
     await l1.bring(old, l1.data(rng))
     await l1.look_up(new)
-    place = await l1.alloc(new, then=old)
+    place = await l1.alloc(new, then=old, early=early)
     await l1.see(old)  # gone with the only way, else it stays
     await l1.fill(place, new, l1.data(rng))
     await l1.unpin(place)
 
     last = l1.line(0, 3)
     await l1.look_up(last)
-    place = await l1.alloc(last, then=last)
+    place = await l1.alloc(last, then=last, early=early)
     assert await l1.see(last) is None  # reserved, not there yet
     await l1.fill(place, last, l1.data(rng))
     assert await l1.see(last) is not None
+    await l1.unpin(place)
+    await l1.see(last)
 
 
+@cocotb.test()
+async def sees_a_set_as_a_fill_or_a_hit_in_the_same_cycle_leaves_it(dut):
+    rng = await start(dut)
+    l1 = L1(dut)
+    for number in range(3 * l1.ways):
+        line = l1.line(0, number)
+        await l1.look_up(line)
+        place = await l1.alloc(line)
+        await l1.fill(place, line, l1.data(rng), good=number % 2 == 0, then=line)
+        way = await l1.see(line)
+        if way is not None:  # another line of the set: its victim depends on this hit
+            await l1.use_and_see(line, way, l1.line(0, 99))
+        await l1.unpin(place)
+        await l1.see(l1.line(0, 99) if way is not None else line)
+
+
+@pytest.mark.parametrize("compare", [0, 1])
 @pytest.mark.parametrize(("cache_bytes", "ways", "line_bytes"), SHAPES)
-def test_ti_l1(cache_bytes, ways, line_bytes):
-    run("ti_l1", "test_ti_l1", CacheBytes=cache_bytes, Ways=ways, LineBytes=line_bytes)
+def test_ti_l1(cache_bytes, ways, line_bytes, compare):
+    params = {"CacheBytes": cache_bytes, "Ways": ways, "LineBytes": line_bytes, "Compare": compare}
+    run("ti_l1", "test_ti_l1", params=params)

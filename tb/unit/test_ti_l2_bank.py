@@ -16,6 +16,7 @@ SHAPES = {
     "tiny": (2, 2, 2, 1024, 2, 2, 4, ""),
     "odd": (3, 3, 4, 1024, 4, 3, 5, "trv_rows=5 addr_bits=40"),
     "paper": (24, 8, 4, 4096, 8, 16, 19, "trv_rows=16 trv_slots=16"),
+    "compare": (3, 4, 2, 1024, 2, 4, 4, "trv_rows=4 lookup_stages=2"),
     "highest bank": (6, 8, 32, 512, 1, 8, 10, "list_rows=8 list_slots=8 line_bytes=32"),
 }
 UNITS, IDS, BANKS, _, WAYS, ROWS, LATENCY = (parameter(name, 1) for name in NAMES)

@@ -15,6 +15,7 @@ from agents.ra_bench import (
     PATTERNS,
     PLACES,
     RETRY,
+    STAGES,
     WAYS,
     begin,
     pattern,
@@ -37,6 +38,22 @@ SHAPES = {
     "retry, one row": (5, 1, 1, 4, 128, RETRY, ""),
     "blocking": (16, 2, 2, 8, 1024, BLOCKING, ""),
     "blocking, one line": (4, 1, 1, 4, 64, BLOCKING, ""),
+    "compare": (32, 8, 4, 8, 2048, GATHER, "trv_rows=8 lookup_stages=2"),
+    "compare, one set": (16, 8, 4, 32, 256, GATHER, "trv_rows=8 lookup_stages=2"),
+    "compare, blocking": (16, 2, 2, 8, 1024, BLOCKING, "lookup_stages=2"),
+    "queue": (8, 2, 2, 8, 1024, GATHER, "lookup_stages=3"),
+    "queue, one line": (32, 8, 1, 4, 64, GATHER, "trv_rows=8 lookup_stages=3"),
+    "queue, odd": (
+        5,
+        3,
+        2,
+        4,
+        1024,
+        GATHER,
+        "line_bytes=128 trv_rows=5 lookup_stages=3",
+    ),
+    "queue, retry": (32, 8, 4, 8, 2048, RETRY, "trv_rows=8 lookup_stages=3"),
+    "queue, retry, one row": (5, 1, 1, 4, 128, RETRY, "lookup_stages=3"),
 }
 
 
@@ -80,21 +97,21 @@ async def survives_a_long_mix_of_patterns_and_stalls(dut):
 
 
 @cocotb.test()
-async def answers_a_hit_after_two_cycles(dut):
+async def answers_a_hit_a_cycle_after_its_look_up(dut):
     _, _, slots = await begin(dut)
     await slots.bring(3)
     for elem in range(slots.line_bytes // slots.elem_bytes):
         (ticket,) = slots.ask([slots.addr(3, elem)])
         await slots.done([ticket])
-        assert ticket.kind == "hit" and ticket.done - ticket.taken == 2
+        assert ticket.kind == "hit" and ticket.done - ticket.taken == STAGES + 1
 
 
 @cocotb.test()
 async def answers_hits_one_a_cycle(dut):
     _, _, slots = await begin(dut)
     await slots.bring(3)
-    # A slot asks again three cycles after it asked, so three slots fill the unit.
-    count = 100 if slots.num_slots >= 3 else slots.num_slots
+    # A slot asks again a cycle after its answer: so many slots fill the unit.
+    count = 100 if slots.num_slots >= STAGES + 2 else slots.num_slots
     tickets = slots.ask([slots.any_addr(3) for _ in range(count)])
     await slots.done(tickets)
 
@@ -109,7 +126,7 @@ async def answers_hits_while_a_line_is_on_its_way(dut):
     await slots.bring(3)
     memory.hold()
     (late,) = slots.ask([slots.any_addr(4)])
-    count = 60 if slots.num_slots >= 4 else 1
+    count = 60 if slots.num_slots >= STAGES + 3 else 1
     early = slots.ask([slots.any_addr(3) for _ in range(count)])
     await slots.done(early)
 

@@ -5,7 +5,7 @@ Run by `test_ti_ra.py`.
 """
 
 from agents.bench import only_if
-from agents.ra_bench import BLOCKING, MODE, PLACES, RETRY, ROWS, SLOTS, begin
+from agents.ra_bench import BLOCKING, MODE, PLACES, RETRY, ROWS, SLOTS, STAGES, begin
 from cocotb.triggers import ClockCycles
 
 
@@ -47,7 +47,7 @@ async def rays_look_again_in_every_cycle_until_their_line_is_there(dut):
     await slots.done(tickets)
     filled = memory.answered[-1][0]
     # One in each cycle, in turn: all within two rounds of the queue.
-    assert max(t.done for t in tickets) - filled <= slots.num_slots + 4
+    assert max(t.done for t in tickets) - filled <= slots.num_slots + 3 + STAGES
     assert memory.asked == [7]
     slots.finish()
 

@@ -6,7 +6,17 @@ Run by `test_ti_ra.py`.
 
 import cocotb
 from agents.bench import consecutive, only_if
-from agents.ra_bench import BLOCKING, GATHER, MODE, PLACES, ROWS, SLOTS, WAYS, begin
+from agents.ra_bench import (
+    BLOCKING,
+    GATHER,
+    MODE,
+    PLACES,
+    QUEUED,
+    ROWS,
+    SLOTS,
+    WAYS,
+    begin,
+)
 from cocotb.triggers import ClockCycles
 
 
@@ -22,7 +32,8 @@ async def hands_out_a_row_one_ray_a_cycle(dut):
 
     assert [t.kind for t in tickets] == ["miss"] + ["merged"] * (slots.num_slots - 1)
     filled = memory.answered[-1][0]
-    assert sorted(t.done for t in tickets) == [filled + 2 + i for i in range(slots.num_slots)]
+    first = filled + (3 if QUEUED else 2)
+    assert sorted(t.done for t in tickets) == [first + i for i in range(slots.num_slots)]
 
 
 @only_if(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
@@ -93,19 +104,19 @@ async def stalls_while_all_rows_are_taken_and_recovers(dut):
     slots.finish()
 
 
-@only_if(MODE == GATHER and WAYS < ROWS and WAYS + 1 < SLOTS)
+@only_if(MODE == GATHER and WAYS < ROWS and WAYS + QUEUED + 1 < SLOTS)
 async def stalls_while_all_ways_are_pinned_and_recovers(dut):
     _, memory, slots = await begin(dut)
     lines = [slots.line_of(0, number) for number in range(slots.ways + 1)]
     memory.hold()
-    tickets = slots.ask([slots.any_addr(line) for line in [lines[0], *lines]])
+    tickets = slots.ask([slots.any_addr(line) for line in [lines[0]] * (1 + QUEUED) + lines])
     await slots.until(lambda: len(memory.held()) == slots.ways)
     await ClockCycles(dut.clk_i, 20)
     assert slots.waits() and tickets[-1].kind is None, "a line without a place"
 
     slots.ready = lambda: False
     memory.release(lines[0])
-    await ClockCycles(dut.clk_i, 20)  # one of its two rays stands at the port, one in the row
+    await ClockCycles(dut.clk_i, 20)  # a ray of it stands at the port, one in the row
     assert slots.waits() and tickets[-1].kind is None, "the place went before it was handed out"
 
     slots.ready = lambda: True
@@ -133,5 +144,5 @@ async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
 
     for ticket in first + stream:
         if ticket.row:
-            waited = ticket.shown - ticket.row.answered
+            waited = ticket.read - ticket.row.answered
             assert waited <= 2 + 2 * slots.num_slots, f"{ticket.addr:#x}: {waited} cycles"

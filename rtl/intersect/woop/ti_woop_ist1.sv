@@ -65,11 +65,9 @@ module ti_woop_ist1 #(
   // Slots.
   logic slot_free, take, give;
   slot_t new_slot, give_slot;
-  ti_pkg::record_t record_q[NumSlots];
 
   assign test_ready_o = slot_free;
   assign take         = test_valid_i && test_ready_o;
-  always_ff @(posedge clk_i) if (take) record_q[new_slot] <= test_data_i.record;
 
   ti_slot_pool #(
     .NumSlots(NumSlots)
@@ -99,6 +97,19 @@ module ti_woop_ist1 #(
     .out_data_o (req_slot)
   );
 
+  ti_pkg::record_t req_record;
+  ti_regfile #(
+    .Depth (NumSlots),
+    .word_t(ti_pkg::record_t)
+  ) u_records (
+    .clk_i,
+    .read_addr_i (req_slot),
+    .read_data_o (req_record),
+    .write_en_i  (take),
+    .write_addr_i(new_slot),
+    .write_data_i(test_data_i.record)
+  );
+
   logic rsp_valid, rsp_error, ra_idle, ra_waits;
   ti_count_pkg::cache_events_t cache_events;
   slot_t rsp_slot;
@@ -120,7 +131,7 @@ module ti_woop_ist1 #(
     .req_valid_i(req_valid),
     .req_ready_o(req_ready),
     .req_slot_i (req_slot),
-    .req_addr_i (corner_base_i + (ti_mem_pkg::addr_t'(record_q[req_slot]) << ElemShift)),
+    .req_addr_i (corner_base_i + (ti_mem_pkg::addr_t'(req_record) << ElemShift)),
     .rsp_valid_o(rsp_valid),
     .rsp_ready_i(1'b1),
     .rsp_slot_o (rsp_slot),
