@@ -34,8 +34,7 @@ module ti_delay #(
   end else begin : gen_ring
     localparam int unsigned Depth = Cycles - 1;
     localparam int unsigned PointerWidth = $clog2(Depth);
-    payload_t ring_q[Depth];
-    payload_t out_q;
+    payload_t oldest, out_q;
     logic [PointerWidth-1:0] pointer_q;
 
     always_ff @(`TI_CLK_RST) begin
@@ -43,10 +42,18 @@ module ti_delay #(
       else pointer_q <= (pointer_q == PointerWidth'(Depth - 1)) ? '0 : pointer_q + 1'b1;
     end
 
-    always_ff @(posedge clk_i) begin
-      out_q <= ring_q[pointer_q];
-      ring_q[pointer_q] <= data_i;
-    end
+    ti_regfile #(
+      .word_t(payload_t),
+      .Depth (Depth)
+    ) u_ring (
+      .clk_i,
+      .read_addr_i (pointer_q),
+      .read_data_o (oldest),
+      .write_en_i  (1'b1),
+      .write_addr_i(pointer_q),
+      .write_data_i(data_i)
+    );
+    always_ff @(posedge clk_i) out_q <= oldest;
     assign data_o = out_q;
   end
 
