@@ -13,7 +13,11 @@ MODEL = TINY | {"ENGINE": "model"}
 BAD = {  # target, variables, words of the sentence
     "no-such-scene": ("trace", MODEL | {"RAYS": "random:9", "SCENE": "nowhere"}, ["nowhere"]),
     "no-rays": ("trace", MODEL, ["RAYS="]),
-    "no-such-engine": ("render", TINY | {"ENGINE": "gpu"}, ["ENGINE=gpu", "rtl, top, model and embree"]),
+    "no-such-engine": (
+        "render",
+        TINY | {"ENGINE": "gpu"},
+        ["ENGINE=gpu", "rtl, top, board, model and embree"],
+    ),
     "no-such-config": ("render", {"CONFIG": "huge"}, ["huge", "paper, small, tiny"]),
     "no-ways": ("render", TINY | {"SET": "trv_l1_ways=0"}, ["trv_l1_ways is 0", "from 1 to 16"]),
     "odd-cache": ("render", TINY | {"SET": "trv_l1_bytes=1000"}, ["trv_l1_bytes is 1000"]),
