@@ -24,6 +24,8 @@ constexpr std::uint32_t kErrors = kInternal | kSlave | kDecode;
 
 /// How long an interrupt is waited for until the status is read all the same.
 constexpr std::chrono::milliseconds kLook{100};
+/// Between two looks at the status without interrupts.
+constexpr std::chrono::microseconds kPause{10};
 
 }  // namespace
 
@@ -74,7 +76,7 @@ std::uint32_t AxiDma::finish(Clock::time_point end) {
       if (fired) (void)arm_interrupt(registers_.descriptor());  // it was not of the hits
       fired = await_interrupt(registers_.descriptor(), kLook);
     } else {
-      std::this_thread::yield();
+      std::this_thread::sleep_for(kPause);
     }
   }
   device_barrier();  // the hits are in memory

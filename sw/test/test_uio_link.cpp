@@ -6,9 +6,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
+#include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 #include "accel/build.hpp"
@@ -89,7 +92,7 @@ TEST_CASE("board: what goes wrong on it is one sentence") {
   const std::vector<Case> cases{
       {{.fault = Fault::RaysUnmapped}, {"uio1: the DMA of the rays stops", "MM2S_DMASR"}},
       {{.fault = Fault::HitsRefused}, {"the DMA of the hits stops", "S2MM_DMASR is 00000021"}},
-      {{.fault = Fault::Silent, .seconds = 0.05}, {"uio1: the hits do not come"}},
+      {{.fault = Fault::Silent, .seconds = 0.5}, {"uio1: the hits do not come"}},
       {{.fault = Fault::Deaf, .seconds = 0.05}, {"uio1: its reset does not end"}},
       {{.fault = Fault::Version}, {"registers of version 2"}},
       {{.buffer_bytes = 1024}, {"udmabuf0: the buffer has 1024 bytes", "the scene"}},
@@ -142,6 +145,66 @@ TEST_CASE("board: a board file that says nonsense, or names what is not there, i
     const std::filesystem::path file = folder.file("board.json", text);
     test::check_error([&] { UioLink link(load_board(file)); }, words);
   }
+}
+
+/// A socket in the place of a UIO device's descriptor, which a file in its place has not: each word
+/// that arms the interrupt is answered by one.
+class Interrupts {
+ public:
+  explicit Interrupts(const std::filesystem::path& device) {
+    REQUIRE(socketpair(AF_UNIX, SOCK_STREAM, 0, ends_.data()) == 0);
+    std::vector<int> descriptors;
+    for (const auto& link : std::filesystem::directory_iterator("/proc/self/fd")) {
+      std::error_code gone;
+      if (std::filesystem::read_symlink(link.path(), gone) == device)
+        descriptors.push_back(std::stoi(link.path().filename()));
+    }
+    REQUIRE(!descriptors.empty());
+    for (const int descriptor : descriptors) dup2(ends_[0], descriptor);
+    kernel_ = std::thread([this] {
+      for (std::uint32_t word = 0; read(ends_[1], &word, sizeof word) == sizeof word;) {
+        ++armed_;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (write(ends_[1], &word, sizeof word) != sizeof word) return;
+      }
+    });
+  }
+  ~Interrupts() {
+    if (kernel_.joinable()) (void)armed();
+    for (const int end : ends_) close(end);
+  }
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
+
+  /// How often it was armed; none comes any more.
+  int armed() {
+    shutdown(ends_[0], SHUT_WR);
+    kernel_.join();
+    return armed_;
+  }
+
+ private:
+  std::array<int, 2> ends_{};
+  int armed_ = 0;  // of the thread, until it ends
+  std::thread kernel_;
+};
+
+TEST_CASE("board: hits are waited for by the interrupt of their DMA, armed for each packet") {
+  const Scene scene;
+  const test::TempDir folder;
+  const BoardStandIn stand_in(folder / "board", {});
+  host::Board board = load_board(stand_in.file());
+  board.interrupts = true;
+  UioLink link(board);
+  Interrupts interrupts(folder / "board" / "uio1");
+  host::Device device(link);
+  device.load(scene.image);
+  constexpr int kPackets = 3;
+  for (int packet = 0; packet < kPackets; ++packet) {
+    Work work;
+    CHECK(device.trace(scene.rays) == Tracer::create(scene.image, {})->trace(scene.rays, work));
+  }
+  CHECK(interrupts.armed() >= kPackets);
 }
 
 TEST_CASE("board: a device that does not open, and an offset beyond it, are sentences") {
