@@ -88,14 +88,14 @@ engine = $(word 2,$(folders))
 # What an engine needs beside the program: the RTL is a library for a configuration.
 ti := build/sw/ti
 library = $(if $(filter rtl,$(1)),engine)$(if $(filter top,$(1)),top-engine)
-rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)$(if $(filter top,$(1)),--rtl $(engine)/top/libti_rtl.so)
+rtl = $(if $(filter rtl,$(1)),--rtl $(engine)/libti_rtl.so)$(if $(filter top,$(1)),--rtl $(engine)/top/libti_rtl.so)$(if $(filter board,$(1)),--board $(call q,BOARD))
 # Scenes that are made when they are asked for: made NAMES are their files.
 knot := build/scenes/knot.ply
 gallery_names := cornell_glass pavilion still_life windmill
 closed_names := icosphere torus tube
 made_files := $(knot) $(closed_names:%=build/scenes/%.ply) $(gallery_names:%=build/scenes/%.gltf)
 made = $(filter $(made_files),$(foreach s,$(1),$(if $(filter knot $(closed_names),$(s)),build/scenes/$(s).ply,$(if $(filter $(gallery_names),$(s)),build/scenes/$(s).gltf,$(s)))))
-needs = check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(call made,$(value SCENE))
+needs = check-engine check-mem $(if $(filter board,$(ENGINE)),need-BOARD) config $(ti) $(call library,$(ENGINE)) $(call made,$(value SCENE))
 scene = "$$(scripts/scene.sh file $(call q,SCENE))"
 # What a run is called: cornell-small, cornell-small-num_trv-2-model.
 scene_name = "$$(scripts/scene.sh name $(scene))"-$(notdir $(config))
@@ -140,7 +140,7 @@ waves_engine = build/waves/$(notdir $(engine))
 liberty := /usr/share/qflow/tech/osu018/osu018_stdcells.lib
 
 ##@ Trace
-render: $(if $(auto),check-engine check-mem,$(needs)) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS=auto|all|none|auto-mirror BOUNCES= FRAMES=0:16 CONFIG=auto|small CORES= ENGINE=rtl|top|model|embree MEM=ideal|fixed|dram OUT= DUMP=1)
+render: $(if $(auto),check-engine check-mem,$(needs)) ## Picture of SCENE= on the RTL (SIZE= SPP= EFFECTS=auto|all|none|auto-mirror BOUNCES= FRAMES=0:16 CONFIG=auto|small CORES= ENGINE=rtl|top|board|model|embree BOARD=board.json MEM=ideal|fixed|dram OUT= DUMP=1)
 	@$(if $(auto),$(render_auto),$(ti) render $(picture_args) $(common_args) $(call opt,--base,PLANNED_ON) \
 	  $(if $(filter-out 0,$(DUMP)),--dump) --out $(call out,build/render/$(run_name)))
 
@@ -159,7 +159,7 @@ compare: need-VARIANTS check-mem build/setup.stamp sw $(call made,$(bench_scenes
 	@python scripts/compare.py --config $(call q,CONFIG) $(call opt,--set,SET) $(call opt,--cores,CORES) \
 	  --variants $(call q,VARIANTS) $(bench_options) --out $(call out,build/compare/$(notdir $(config)))
 
-gallery: check-engine check-mem config $(ti) $(call library,$(ENGINE)) $(call made,$(gallery_scenes)) ## Pictures of scenes with plan, rays, cycles and time on one page (SCENES="..." SIZE= SPP= and other words of render)
+gallery: check-engine $(if $(filter board,$(ENGINE)),no-host) check-mem config $(ti) $(call library,$(ENGINE)) $(call made,$(gallery_scenes)) ## Pictures of scenes with plan, rays, cycles and time on one page (SCENES="..." SIZE= SPP= and other words of render)
 	@python scripts/gallery.py $(foreach w,$(gallery_words),$(if $(value $(w)),$(w)=$(call q,$(w)))) \
 	  --out $(call out,build/gallery/$(notdir $(config))) --scene $(foreach s,$(gallery_scenes),'$(subst ','\'',$(s))')
 gallery: SIZE := $(if $(filter file,$(origin SIZE)),320x240,$(value SIZE))
@@ -169,14 +169,14 @@ gallery_words := CONFIG SET CORES ENGINE MEM MEM_LATENCY MEM_BANDWIDTH SIZE SPP 
 image: config build/sw/ti $(call made,$(value SCENE)) ## Memory image of SCENE= (CONFIG= OUT=), for IMAGE= of render and trace
 	@build/sw/ti image --scene $(scene) --config $(config)/config.json --out $(call out,build/image/$(scene_name).tiim)
 
-hardcases: check-engine no-top config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) $(call made,icosphere) ## Hard cases and rays in volume in each format and test, a table; and those of CONFIG= on model and RTL (FORMATS="8,23 7,16" TESTS="local woop" N=100000 FILE= CONFIG= ENGINE= SEED= OUT=)
+hardcases: check-engine no-host config $(ti) $(foreach e,$(case_engines),$(call library,$(e))) $(call made,icosphere) ## Hard cases and rays in volume in each format and test, a table; and those of CONFIG= on model and RTL (FORMATS="8,23 7,16" TESTS="local woop" N=100000 FILE= CONFIG= ENGINE= SEED= OUT=)
 	@status=0; $(ti) ladder --file $(cases) --config $(config)/config.json --scene build/scenes/icosphere.ply \
 	  $(call opt,--formats,FORMATS) $(call opt,--tests,TESTS) $(call opt,--seed,SEED) --count $(or $(call opt,,N),5000) \
 	  --out $(call out,build/hardcases) || status=$$?; [[ $$status -lt 2 ]] || exit $$status; \
 	for engine in $(case_engines); do echo; echo "$(notdir $(config)), $$engine:"; $(ti) hardcases --file $(cases) \
 	  --config $(config)/config.json --engine $$engine $(if $(filter rtl,$(case_engines)),--rtl $(engine)/libti_rtl.so) || status=$$?; done; exit $$status
 
-hardcase: need-ID check-engine no-top config $(ti) $(foreach e,$(case_engines),$(if $(case_waves),$(if $(filter rtl,$(e)),waves-engine),$(call library,$(e)))) ## One of them, with its steps from model and RTL (ID= FILE= CONFIG= ENGINE= WAVES=1 OUT=)
+hardcase: need-ID check-engine no-host config $(ti) $(foreach e,$(case_engines),$(if $(case_waves),$(if $(filter rtl,$(e)),waves-engine),$(call library,$(e)))) ## One of them, with its steps from model and RTL (ID= FILE= CONFIG= ENGINE= WAVES=1 OUT=)
 	@status=0; $(foreach e,$(case_engines),$(ti) hardcases --file $(cases) --config $(config)/config.json --engine $(e) \
 	  --id $(call q,ID) --out $(case_out) $(if $(filter rtl,$(e)),--rtl $(case_engine)/libti_rtl.so \
 	  $(if $(case_waves),--waves-file $(case_out)/ray-0.fst)) || status=$$?; [[ $$status -lt 2 ]] || exit $$status;) \
@@ -196,7 +196,7 @@ machine: need-KEYS config $(ti) $(call made,$(value SCENE))
 	@mkdir -p $(dir $(KEYS)) && $(ti) machine $(picture_args) $(common_args) --out $(KEYS) && echo $(config)/config.json >>$(KEYS)
 
 ##@ Beside others
-effects-table: check-engine no-top config $(ti) $(call library,$(ENGINE)) $(call made,$(effects_scenes)) ## EFFECTS=auto beside all: rays, cycles, seconds, the same bits (SCENES="..." SIZE= SPP= BOUNCES= CONFIG= ENGINE=rtl|model OUT=)
+effects-table: check-engine no-host config $(ti) $(call library,$(ENGINE)) $(call made,$(effects_scenes)) ## EFFECTS=auto beside all: rays, cycles, seconds, the same bits (SCENES="..." SIZE= SPP= BOUNCES= CONFIG= ENGINE=rtl|model OUT=)
 	@python scripts/effects_table.py --config $(config)/config.json $(if $(filter rtl,$(ENGINE)),--library $(engine)/libti_rtl.so) \
 	  $(if $(filter file,$(origin SIZE)),,--size $(call q,SIZE)) --spp $(call q,SPP) --bounces $(call q,BOUNCES) \
 	  --out $(call out,build/effects/$(notdir $(config))) --scene $(foreach s,$(effects_scenes),'$(subst ','\'',$(s))')
@@ -334,12 +334,12 @@ need-%:
 	@[[ -n $(call q,$*) ]] || { echo "make $(firstword $(MAKECMDGOALS)): $*= is missing; 'make help' says what it is" >&2; exit 2; }
 
 check-engine:
-	@[[ " rtl top model embree " == *" "$(call q,ENGINE)" "* ]] || \
-	  { echo ENGINE=$(call q,ENGINE)": no such engine; there are rtl, top, model and embree" >&2; exit 2; }
+	@[[ " rtl top board model embree " == *" "$(call q,ENGINE)" "* ]] || \
+	  { echo ENGINE=$(call q,ENGINE)": no such engine; there are rtl, top, board, model and embree" >&2; exit 2; }
 
-no-top:
-	@[[ $(call q,ENGINE) != top ]] || \
-	  { echo "ENGINE=top: only render, trace and gallery drive it; give ENGINE=rtl" >&2; exit 2; }
+no-host:
+	@[[ $(call q,ENGINE) != top && $(call q,ENGINE) != board ]] || \
+	  { echo ENGINE=$(call q,ENGINE)": only render and trace drive it, and gallery the top; give ENGINE=rtl" >&2; exit 2; }
 
 check-mem:
 	@[[ $(call q,MEM) =~ ^(|ideal|fixed|dram|[^,]+,[^,]+)$$ ]] || \
@@ -381,4 +381,4 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 
 FORCE:
 .PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine top-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
-  effects-table second-opinion convergence format certify fp-volume tree-table registers ip vivado quartus crossings setup clean help dram check-engine no-top check-mem check-unit check-format model sanitized
+  effects-table second-opinion convergence format certify fp-volume tree-table registers ip vivado quartus crossings setup clean help dram check-engine no-host check-mem check-unit check-format model sanitized

@@ -29,6 +29,7 @@ class TopLink final : public host::Link {
 
   [[nodiscard]] std::uint32_t read(std::uint32_t address) override;
   void write(std::uint32_t address, std::uint32_t value) override;
+  [[nodiscard]] std::uint64_t base() const override { return Memory::kBase; }
   void store(std::uint64_t address, std::span<const std::uint8_t> bytes) override;
   void exchange(std::span<host::Packet> packets) override;
 

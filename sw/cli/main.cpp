@@ -35,9 +35,11 @@ void add_config(CLI::App& command, Arguments& arguments) {
 }
 
 void add_engine(CLI::App& command, Arguments& arguments) {
-  add_choice<EngineKind>(
-      command, "--engine", arguments.run.engine,
-      {{"rtl", EngineKind::Rtl}, {"model", EngineKind::Model}, {"embree", EngineKind::Embree}});
+  add_choice<EngineKind>(command, "--engine", arguments.run.engine,
+                         {{"rtl", EngineKind::Rtl},
+                          {"model", EngineKind::Model},
+                          {"embree", EngineKind::Embree},
+                          {"board", EngineKind::Board}});
   ti::RtlOptions& rtl = arguments.run.rtl;
   command.add_option_function<std::string>(
       "--mem", [&rtl](const std::string& name) { rtl.memory = ti::memory_kind(name); },
@@ -58,6 +60,7 @@ void add_engine(CLI::App& command, Arguments& arguments) {
   command.add_option("--error-every", rtl.error_every,
                      "not 0: each n-th answer of the memory is an error");
   command.add_option("--rtl", arguments.run.library, "library of the RTL that `make engine` built");
+  command.add_option("--board", arguments.run.board, "of --engine board: where its devices are");
   command.add_flag("!--no-lock-step", arguments.run.lock_step,
                    "do not compare each hit with the model");
   command.add_flag("!--no-progress", arguments.progress, "no progress bar");

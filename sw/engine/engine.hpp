@@ -19,6 +19,10 @@
 
 namespace ti {
 
+namespace host {
+class Link;
+}
+
 /// What came back for one ray.
 struct Answer {
   std::uint64_t ray = 0;    ///< its number, from 0 in the order of `Engine::submit`
@@ -84,6 +88,12 @@ struct RtlOptions {
                                                       const Image& image, const Config& config,
                                                       const RtlOptions& options);
 
+/// The way to the verilated `ti_top` of such a library, with `bytes` of memory; throws `Error` when
+/// it has none.
+[[nodiscard]] std::unique_ptr<host::Link> load_rtl_link(const std::filesystem::path& library,
+                                                        std::size_t bytes,
+                                                        const RtlOptions& options);
+
 /// The bit-exact model, which must outlive the engine; all processors work.
 [[nodiscard]] std::unique_ptr<Engine> make_model_engine(const Tracer& model, Format format);
 
@@ -93,10 +103,12 @@ class Truth;
 
 /// What a library of `load_rtl_engine` offers, under the name `ti_rtl_plugin`.
 struct RtlPlugin {
-  static constexpr int kInterface = 3;  ///< raised whenever this struct or `Engine` changes
+  static constexpr int kInterface = 4;  ///< raised whenever this struct or `Engine` changes
   int interface = kInterface;
   const char* config = "";  ///< the keys that it was built for, as JSON
   Engine* (*make)(const Image& image, const RtlOptions& options) = nullptr;
+  /// None in a library of the engine without registers and streams.
+  host::Link* (*make_link)(std::size_t bytes, const RtlOptions& options) = nullptr;
 };
 
 }  // namespace ti

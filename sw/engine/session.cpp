@@ -9,6 +9,7 @@
 #include "accel/scene_scale.hpp"
 #include "base/error.hpp"
 #include "engine/stored_image.hpp"
+#include "host/host_engine.hpp"
 #include "io/file.hpp"
 #include "scene/scaling.hpp"
 
@@ -138,6 +139,11 @@ Session::Session(const RunOptions& options, Scene scene, SceneImage image)
     case EngineKind::Embree:
       engine_ = make_embree_engine(*truth_);
       break;
+    case EngineKind::Board:
+      if (options_.log_ray)
+        throw Error("LOG_RAY=: a board does not show the steps of a ray; give ENGINE=model");
+      engine_ = host::make_board_engine(options_.board, image_);
+      break;
   }
 }
 
@@ -215,10 +221,9 @@ Wave Session::trace(std::span<const Ray> given) {
   }
 
   auto begin = Clock::now();
-  const bool compare_rtl = options_.engine == EngineKind::Rtl && options_.lock_step;
-  if (compare_rtl || (options_.tests && options_.engine != EngineKind::Embree)) {
+  if (options_.compared() || (options_.tests && options_.engine != EngineKind::Embree)) {
     ModelRun model = run_model(*model_, rays);
-    if (compare_rtl) {
+    if (options_.compared()) {
       const bool counted = wave.counts.machine && !wave.counts.machine->units.empty() &&
                            !wave.counts.machine->units.front().activities.empty();
       wave.lock_step = compare(model, answers, submitted_, counted ? &wave.counts.work : nullptr,

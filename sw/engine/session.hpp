@@ -18,7 +18,7 @@
 
 namespace ti {
 
-enum class EngineKind { Rtl, Model, Embree };
+enum class EngineKind { Rtl, Model, Embree, Board };
 
 /// What every run needs.
 struct RunOptions {
@@ -27,12 +27,18 @@ struct RunOptions {
   std::filesystem::path image;  ///< memory image in place of a tree that is built; empty: build
   EngineKind engine = EngineKind::Rtl;
   std::filesystem::path library;  ///< of the RTL, for `EngineKind::Rtl`
+  std::filesystem::path board;    ///< its file, for `EngineKind::Board`
   RtlOptions rtl;
-  bool lock_step = true;                 ///< compare the RTL with the model
+  bool lock_step = true;                 ///< compare the RTL or the board with the model
   bool truth = true;                     ///< compare with Embree and exact arithmetic
   bool tests = false;                    ///< count the triangle tests of each ray
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits, by model and RTL
   std::filesystem::path out;             ///< folder for those logs
+
+  /// Whether the engine is one that the model checks.
+  [[nodiscard]] bool compared() const {
+    return lock_step && (engine == EngineKind::Rtl || engine == EngineKind::Board);
+  }
   /// Set from outside, by a signal for example: rays that are not begun are left out.
   const std::atomic<bool>* stop = nullptr;
 };

@@ -3,8 +3,10 @@
 
 #include <fmt/core.h>
 
+#include <chrono>
 #include <cstddef>
 #include <string>
+#include <thread>
 
 #include "base/error.hpp"
 #include "host/ti_regs.h"
@@ -12,8 +14,9 @@
 namespace ti::host {
 namespace {
 
-/// Reads of STATUS or CONTROL until what is waited for counts as never coming.
-constexpr int kPatience = 1'000'000;
+/// Reads of STATUS or CONTROL, and time, until what is waited for counts as never coming.
+constexpr int kReads = 1'000'000;
+constexpr std::chrono::seconds kPatience{2};
 
 constexpr std::uint32_t at(std::size_t offset) { return static_cast<std::uint32_t>(offset); }
 
@@ -59,7 +62,8 @@ Device::Device(Link& link) : link_(link) {
       static_cast<int>(field(memory, TI_REGS__MEMORY__ADDR_BITS_bm, TI_REGS__MEMORY__ADDR_BITS_bp));
 }
 
-void Device::load(const Image& image, std::uint64_t base) {
+void Device::load(const Image& image) {
+  const std::uint64_t base = link_.base();
   const ImageHeader& header = image.header();
   const ImageParts& parts = image.parts();
   const Format& format = machine_.format;
@@ -76,8 +80,7 @@ void Device::load(const Image& image, std::uint64_t base) {
     throw Error(fmt::format("the image ends at address {}, beyond the {} bits of the engine's", end,
                             machine_.addr_bits));
   }
-  link_.write(at(offsetof(ti_regs_t, CONTROL)), 0);
-  wait(at(offsetof(ti_regs_t, STATUS)), TI_REGS__STATUS__IDLE_bm, TI_REGS__STATUS__IDLE_bm);
+  drain();
   link_.store(base, image.bytes());
   link_.write(at(offsetof(ti_regs_t, ROOT)), header.root);
   link_.write(at(offsetof(ti_regs_t, NUM_LIST)), parts.list_count);
@@ -90,6 +93,15 @@ void Device::load(const Image& image, std::uint64_t base) {
     link_.write(at(offsetof(ti_regs_t, BOX_LO) + 4 * axis), header.box_lo[axis]);
     link_.write(at(offsetof(ti_regs_t, BOX_HI) + 4 * axis), header.box_hi[axis]);
   }
+  flush();
+}
+
+void Device::drain() {
+  link_.write(at(offsetof(ti_regs_t, CONTROL)), 0);
+  wait(at(offsetof(ti_regs_t, STATUS)), TI_REGS__STATUS__IDLE_bm, TI_REGS__STATUS__IDLE_bm);
+}
+
+void Device::flush() {
   link_.write(at(offsetof(ti_regs_t, CONTROL)), TI_REGS__CONTROL__FLUSH_bm);
   wait(at(offsetof(ti_regs_t, CONTROL)), TI_REGS__CONTROL__FLUSH_bm, 0);
 }
@@ -135,6 +147,24 @@ std::vector<HitBits> Device::trace(std::span<const Ray> rays) {
   return hits;
 }
 
+Tally Device::tally() {
+  return {.rays = read_long(at(offsetof(ti_regs_t, RAYS_LO))),
+          .hits = read_long(at(offsetof(ti_regs_t, HITS_LO))),
+          .invalid_rays = link_.read(at(offsetof(ti_regs_t, INVALID_RAYS))),
+          .memory_errors = link_.read(at(offsetof(ti_regs_t, MEMORY_ERRORS))),
+          .watchdogs = link_.read(at(offsetof(ti_regs_t, WATCHDOGS)))};
+}
+
+std::uint32_t Device::irq_status() { return link_.read(at(offsetof(ti_regs_t, IRQ_STATUS))); }
+
+void Device::clear_irq(std::uint32_t bits) {
+  link_.write(at(offsetof(ti_regs_t, IRQ_STATUS)), bits);
+}
+
+void Device::enable_irq(std::uint32_t bits) {
+  link_.write(at(offsetof(ti_regs_t, IRQ_ENABLE)), bits);
+}
+
 std::uint64_t Device::counter(int core, int unit, int event) {
   link_.write(at(offsetof(ti_regs_t, COUNTER_SELECT)),
               static_cast<std::uint32_t>(core) << TI_REGS__COUNTER_SELECT__CORE_bp |
@@ -158,8 +188,10 @@ void Device::write_long(std::uint32_t low, std::uint64_t value) {
 }
 
 void Device::wait(std::uint32_t address, std::uint32_t mask, std::uint32_t value) {
-  for (int i = 0; i < kPatience; ++i) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  for (int i = 0; i < kReads || std::chrono::steady_clock::now() < end; ++i) {
     if ((link_.read(address) & mask) == value) return;
+    std::this_thread::yield();
   }
   throw Error(fmt::format("the engine does not come to rest, as register {:02x} says", address));
 }

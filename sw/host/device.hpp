@@ -28,6 +28,15 @@ struct Machine {
   int addr_bits = 32;
 };
 
+/// What has gone through a `ti_top` since its reset.
+struct Tally {
+  std::uint64_t rays = 0;  ///< taken
+  std::uint64_t hits = 0;  ///< given, whatever their status
+  std::uint32_t invalid_rays = 0;
+  std::uint32_t memory_errors = 0;
+  std::uint32_t watchdogs = 0;
+};
+
 /// The driver of one `ti_top` (docs/units/ti_top.md): scene, rays, hits and counters. One thread at
 /// a time. The link must outlive it.
 class Device {
@@ -38,15 +47,27 @@ class Device {
 
   [[nodiscard]] const Machine& machine() const { return machine_; }
 
-  /// Puts an image at an address, a multiple of 128, and makes it the scene: drains, writes the
+  /// Puts an image at the start of the link's memory and makes it the scene: drains, writes the
   /// memory, flushes all caches. Throws `Error` when the image is for another format or test, or
   /// ends beyond the addresses of the machine.
-  void load(const Image& image, std::uint64_t base);
+  void load(const Image& image);
 
   /// Traces rays of one kind, `Ray::any` of the first, in an equal part on each stream; the hits in
   /// the order of the rays. Counters count meanwhile. Throws `Error` when a hit is missing, comes
   /// twice or belongs to no ray.
   [[nodiscard]] std::vector<HitBits> trace(std::span<const Ray> rays);
+
+  /// Takes no more rays and waits until those inside are out. `trace` takes rays again.
+  void drain();
+  /// Forgets all lines of all caches, behind the rays that were taken before.
+  void flush();
+
+  [[nodiscard]] Tally tally();
+  /// The bits of IRQ_STATUS (docs/registers.md); `clear_irq` clears those that are 1 in `bits`, and
+  /// those of `enable_irq` alone raise the interrupt.
+  [[nodiscard]] std::uint32_t irq_status();
+  void clear_irq(std::uint32_t bits);
+  void enable_irq(std::uint32_t bits);
 
   /// A counter by the numbers of docs/counters.md, since the reset; of the last `snapshot` where
   /// the machine has them.

@@ -19,7 +19,7 @@ struct Packet {
 };
 
 /// The way to one `ti_top`: its registers, its streams, and the memory that it reads. A simulation
-/// is one, a board another; `Device` sees no difference.
+/// is one (`sim/top`), a board another (`UioLink`); `Device` sees no difference.
 class Link {
  public:
   virtual ~Link() = default;
@@ -27,6 +27,9 @@ class Link {
   /// The register at a byte address; throws `Error` where there is none.
   [[nodiscard]] virtual std::uint32_t read(std::uint32_t address) = 0;
   virtual void write(std::uint32_t address, std::uint32_t value) = 0;
+
+  /// Where the memory that the host may fill begins.
+  [[nodiscard]] virtual std::uint64_t base() const = 0;
 
   /// Copies bytes to an address that the engine reads from; throws `Error` where no memory is.
   virtual void store(std::uint64_t address, std::span<const std::uint8_t> bytes) = 0;

@@ -3,7 +3,6 @@
 // The Python module `ti`: scenes, rays, and engines that answer numpy arrays of rays in this
 // process.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 
@@ -14,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "engine/session.hpp"
+#include "python/arrays.hpp"
 #include "report/report.hpp"
 #include "scene/geometry.hpp"
 #include "scene/rays.hpp"
@@ -21,53 +21,7 @@
 namespace ti {
 namespace {
 
-namespace nb = nanobind;
 using namespace nb::literals;
-
-template <typename T, typename Shape>
-using Array = nb::ndarray<const T, Shape, nb::c_contig, nb::device::cpu>;
-using RayArray = Array<float, nb::shape<-1, 8>>;
-using HitArray = Array<float, nb::shape<-1, 3>>;
-using PrimArray = Array<std::int32_t, nb::shape<-1>>;
-
-/// A numpy array that owns its data.
-template <typename T>
-nb::ndarray<nb::numpy, T> array_of(std::vector<T> values, std::size_t columns = 0) {
-  auto* kept = new std::vector<T>(std::move(values));
-  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
-  if (columns == 0) return {kept->data(), {kept->size()}, owner};
-  return {kept->data(), {kept->size() / columns, columns}, owner};
-}
-
-/// The same of a value of each element.
-template <typename T, typename Range, typename Of>
-auto array_of_each(const Range& range, Of of) {
-  std::vector<T> values;
-  values.reserve(range.size());
-  for (const auto& element : range) values.push_back(of(element));
-  return array_of(std::move(values));
-}
-
-std::vector<Ray> rays_of(const RayArray& array, bool any_hit = false) {
-  std::vector<Ray> rays(array.shape(0));
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const float* f = array.data() + 8 * i;
-    rays[i] = {.o = {f[0], f[1], f[2]},
-               .tmin = f[3],
-               .d = {f[4], f[5], f[6]},
-               .tmax = f[7],
-               .any = any_hit};
-  }
-  return rays;
-}
-
-auto array_of_rays(const std::vector<Ray>& rays) {
-  std::vector<float> data;
-  data.reserve(8 * rays.size());
-  for (const Ray& r : rays)
-    data.insert(data.end(), {r.o.x, r.o.y, r.o.z, r.tmin, r.d.x, r.d.y, r.d.z, r.tmax});
-  return array_of(std::move(data), 8);
-}
 
 std::vector<Hit> hits_of(const HitArray& hits, const PrimArray& prims) {
   if (hits.shape(0) != prims.shape(0)) throw Error("hits and prims must have the same length");
@@ -197,6 +151,15 @@ void bind_scene(nb::module_& module) {
           },
           "Of the box of the mesh, in scene units.")
       .def(
+          "image",
+          [](const PyScene& s, const std::filesystem::path& config) {
+            RunOptions options;
+            options.config = load_config(config);
+            options.scene = s.path;
+            return scene_image_of(s.scene, options).image;
+          },
+          "config"_a, "The memory image for a machine of that config.json.")
+      .def(
           "primary_rays",
           [](const PyScene& s, int width, int height, int spp, std::uint64_t seed) {
             const PrimaryRays primary = primary_rays(s.scene.camera, width, height, spp, seed);
@@ -238,28 +201,9 @@ void bind_scene(nb::module_& module) {
 }
 
 void bind_wave(nb::module_& module) {
-  nb::class_<PyWave>(module, "Wave", "Rays that were traced together.")
-      .def_prop_ro(
-          "hits",
-          [](const PyWave& w) {
-            std::vector<float> data;
-            for (const Hit& h : w.wave.hits) data.insert(data.end(), {h.t, h.u, h.v});
-            return array_of(std::move(data), 3);
-          },
-          nb::rv_policy::move, "float32 [N,3]: t, u, v; t is inf for a miss.")
-      .def_prop_ro(
-          "prims",
-          [](const PyWave& w) {
-            return array_of_each<std::int32_t>(w.wave.hits, [](const Hit& h) { return h.prim; });
-          },
-          nb::rv_policy::move, "int32 [N]: number of the triangle in its file, -1 for a miss.")
-      .def_prop_ro(
-          "steps",
-          [](const PyWave& w) {
-            return array_of_each<std::uint16_t>(w.wave.hits, [](const Hit& h) { return h.steps; });
-          },
-          nb::rv_policy::move, "uint16 [N]: nodes visited.")
-      .def_prop_ro(
+  nb::class_<PyWave> wave(module, "Wave", "Rays that were traced together.");
+  bind_hits(wave, [](const PyWave& w) -> const std::vector<Hit>& { return w.wave.hits; });
+  wave.def_prop_ro(
           "tests", [](const PyWave& w) { return array_of(w.wave.tests); }, nb::rv_policy::move,
           "uint32 [N]: triangles tested; empty unless the model ran beside the engine.")
       .def_prop_ro(
@@ -331,6 +275,7 @@ NB_MODULE(ti, module) {
   bind_scene(module);
   bind_wave(module);
   bind_engine(module);
+  bind_device(module);
 }
 
 }  // namespace ti

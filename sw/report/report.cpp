@@ -19,6 +19,8 @@ const char* name_of(EngineKind kind) {
       return "model";
     case EngineKind::Embree:
       return "embree";
+    case EngineKind::Board:
+      return "board";
   }
   return "";
 }
@@ -57,7 +59,7 @@ ordered_json provenance_json(const Report& report, const Session& session) {
 
 /// What was switched on in the simulation and its checks.
 ordered_json switches_json(const RunOptions& options) {
-  return {{"lock_step", options.lock_step && options.engine == EngineKind::Rtl},
+  return {{"lock_step", options.compared()},
           {"truth", options.truth && options.engine != EngineKind::Embree},
           {"stall_seed", options.rtl.stall_seed},
           {"stall_share", options.rtl.stall_seed != 0 ? options.rtl.stall_share : 0.0},

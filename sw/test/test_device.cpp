@@ -4,7 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "accel/build.hpp"
+#include "fake_machine.hpp"
 #include "host/device.hpp"
 #include "host/ti_regs.h"
 #include "model/tracer.hpp"
@@ -28,52 +28,39 @@ class FakeLink final : public host::Link {
  public:
   static constexpr std::uint64_t kBase = 0x100000;
 
-  explicit FakeLink(int streams, Format format = {8, 23}) {
-    registers[offsetof(ti_regs_t, ID)] = TI_REGS__ID__VALUE_reset;
-    registers[offsetof(ti_regs_t, VERSION)] = 1U << 16U | 7U;
-    registers[offsetof(ti_regs_t, FORMAT)] =
-        static_cast<std::uint32_t>(format.exp_bits | format.frac_bits << 8);
-    registers[offsetof(ti_regs_t, MACHINE)] =
-        static_cast<std::uint32_t>(streams | streams << 8) | 1U << 20U;
-    registers[offsetof(ti_regs_t, MEMORY)] = 64U | 32U << 8U;
-    registers[offsetof(ti_regs_t, STATUS)] = TI_REGS__STATUS__IDLE_bm;
-  }
+  explicit FakeLink(int streams, Format format = {8, 23})
+      : registers(test::machine_registers(streams, format)) {}
 
   [[nodiscard]] std::uint32_t read(std::uint32_t address) override { return registers[address]; }
   void write(std::uint32_t address, std::uint32_t value) override {
-    if (address == offsetof(ti_regs_t, CONTROL))
+    if (address == offsetof(ti_regs_t, CONTROL) && (value & TI_REGS__CONTROL__FLUSH_bm) != 0) {
+      ++flushes;
       value &= ~std::uint32_t{TI_REGS__CONTROL__FLUSH_bm};
+    }
     registers[address] = value;
   }
+  [[nodiscard]] std::uint64_t base() const override { return kBase; }
   void store(std::uint64_t address, std::span<const std::uint8_t> bytes) override {
     CHECK(address == kBase);
     memory.assign(bytes.begin(), bytes.end());
   }
   void exchange(std::span<host::Packet> packets) override {
-    CHECK((registers[offsetof(ti_regs_t, CONTROL)] & TI_REGS__CONTROL__RUN_bm) != 0);
+    const std::uint32_t control = registers[offsetof(ti_regs_t, CONTROL)];
+    CHECK((control & TI_REGS__CONTROL__RUN_bm) != 0);
+    const bool any = (control & TI_REGS__CONTROL__ANY_HIT_bm) != 0;
     const Image image(memory, "memory");
     const auto model = Tracer::create(image, {});
     for (host::Packet& packet : packets) {
-      Work work;
-      for (const host::Beat& beat : packet.rays) {
-        const auto value = [&beat](std::size_t word) { return std::bit_cast<float>(beat[word]); };
-        const Ray ray{
-            .o = {value(0), value(1), value(2)},
-            .tmin = value(3),
-            .d = {value(4), value(5), value(6)},
-            .tmax = value(7),
-            .any = (registers[offsetof(ti_regs_t, CONTROL)] & TI_REGS__CONTROL__ANY_HIT_bm) != 0};
-        const HitBits hit = model->trace(ray, work);
-        packet.hits.push_back({static_cast<std::uint32_t>(packet.hits.size()),
-                               static_cast<std::uint32_t>(hit.prim), hit.t, hit.u, hit.v,
-                               static_cast<std::uint32_t>(hit.status), hit.steps, 0});
-      }
+      for (const host::Beat& beat : packet.rays)
+        packet.hits.push_back(
+            test::answer(*model, beat, any, static_cast<std::uint32_t>(packet.hits.size())));
       std::shuffle(packet.hits.begin(), packet.hits.end(), random);
       if (spoil) spoil(packet.hits);
     }
   }
 
   std::map<std::size_t, std::uint32_t> registers;
+  int flushes = 0;
   std::vector<std::uint8_t> memory;
   std::mt19937 random{1};
   std::function<void(std::vector<host::Beat>&)> spoil;
@@ -93,7 +80,7 @@ TEST_CASE("driver: every ray gets its hit, on any number of streams") {
     CAPTURE(streams);
     FakeLink link(streams);
     host::Device device(link);
-    device.load(scene.image, FakeLink::kBase);
+    device.load(scene.image);
     for (const std::size_t count : {0U, 1U, 2U, 101U}) {
       const std::vector<Ray> rays(scene.rays.begin(),
                                   scene.rays.begin() + static_cast<std::ptrdiff_t>(count));
@@ -107,7 +94,7 @@ TEST_CASE("driver: any-hit rays are asked for by the register") {
   const Scene scene;
   FakeLink link(1);
   host::Device device(link);
-  device.load(scene.image, FakeLink::kBase);
+  device.load(scene.image);
   std::vector<Ray> rays = scene.rays;
   for (Ray& ray : rays) ray.any = true;
   Work work;
@@ -118,13 +105,32 @@ TEST_CASE("driver: the scene stands where the image does") {
   const Scene scene;
   FakeLink link(1);
   host::Device device(link);
-  device.load(scene.image, FakeLink::kBase);
+  device.load(scene.image);
   const ImageParts& parts = scene.image.parts();
   CHECK(link.registers[offsetof(ti_regs_t, NODE_BASE_LO)] == FakeLink::kBase + parts.node_offset);
   CHECK(link.registers[offsetof(ti_regs_t, BARY_BASE_LO)] == FakeLink::kBase + parts.bary_offset);
   CHECK(link.registers[offsetof(ti_regs_t, BARY_BASE_HI)] == 0);
   CHECK(link.registers[offsetof(ti_regs_t, NUM_RECORDS)] == parts.triangle_count);
   CHECK(link.registers[offsetof(ti_regs_t, BOX_HI) + 8] == scene.image.header().box_hi[2]);
+}
+
+TEST_CASE("driver: drain takes no more rays, a flush forgets, and registers say what has come") {
+  FakeLink link(1);
+  host::Device device(link);
+  link.registers[offsetof(ti_regs_t, CONTROL)] = TI_REGS__CONTROL__RUN_bm;
+  device.drain();
+  CHECK(link.registers[offsetof(ti_regs_t, CONTROL)] == 0);
+  device.flush();
+  CHECK(link.flushes == 1);
+  link.registers[offsetof(ti_regs_t, RAYS_LO)] = 5;
+  link.registers[offsetof(ti_regs_t, RAYS_HI)] = 1;
+  link.registers[offsetof(ti_regs_t, WATCHDOGS)] = 3;
+  CHECK(device.tally().rays == (std::uint64_t{1} << 32U) + 5);
+  CHECK(device.tally().watchdogs == 3);
+  device.enable_irq(TI_REGS__IRQ_ENABLE__WATCHDOG_bm);
+  CHECK(link.registers[offsetof(ti_regs_t, IRQ_ENABLE)] == 4);
+  link.registers[offsetof(ti_regs_t, IRQ_STATUS)] = 8;
+  CHECK(device.irq_status() == TI_REGS__IRQ_STATUS__DRAINED_bm);
 }
 
 TEST_CASE("driver: a hit that is missing, twice or of no ray is an error") {
@@ -136,7 +142,7 @@ TEST_CASE("driver: a hit that is missing, twice or of no ray is an error") {
   for (const auto& [sentence, spoil] : ways) {
     FakeLink link(1);
     host::Device device(link);
-    device.load(scene.image, FakeLink::kBase);
+    device.load(scene.image);
     link.spoil = spoil;
     test::check_error([&] { (void)device.trace(scene.rays); }, {sentence});
   }
@@ -155,12 +161,12 @@ TEST_CASE("driver: another machine than the driver's or the image's is refused")
   FakeLink short_numbers(1, {7, 16});
   host::Device other(short_numbers);
   CHECK(other.machine().format == Format{7, 16});
-  test::check_error([&] { other.load(scene.image, FakeLink::kBase); }, {"the image is for (8,23)"});
+  test::check_error([&] { other.load(scene.image); }, {"the image is for (8,23)"});
 
   FakeLink narrow(1);
   narrow.registers[offsetof(ti_regs_t, MEMORY)] = 64U | 20U << 8U;
   host::Device small(narrow);
-  test::check_error([&] { small.load(scene.image, FakeLink::kBase); }, {"beyond the 20 bits"});
+  test::check_error([&] { small.load(scene.image); }, {"beyond the 20 bits"});
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 """Builds, once in a run, of what the tests of whole programs drive."""
 
 import fcntl
+import sys
 
 import configure
 import pytest
@@ -32,6 +33,25 @@ def tiny():
     """`ti` with the RTL of the configuration tiny."""
     built("engine", "build/sw/ti", CONFIG="tiny")
     return Program("tiny")
+
+
+@pytest.fixture(scope="session")
+def top():
+    """`ti` with the ti_top of the configuration tiny, behind its driver."""
+    built("top-engine", "build/sw/ti", CONFIG="tiny")
+    program = Program("tiny")
+    program.library = program.library.parent / "top/libti_rtl.so"
+    return program
+
+
+@pytest.fixture(scope="session")
+def module(ti):
+    """The Python module `ti`, built with the programs."""
+    del ti
+    sys.path.insert(0, str(ROOT / "build/sw/python"))
+    import ti as found
+
+    return found
 
 
 @pytest.fixture(scope="session")

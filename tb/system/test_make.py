@@ -16,7 +16,7 @@ BAD = {  # target, variables, words of the sentence
     "no-such-engine": (
         "render",
         TINY | {"ENGINE": "gpu"},
-        ["ENGINE=gpu", "rtl, top, model and embree"],
+        ["ENGINE=gpu", "rtl, top, board, model and embree"],
     ),
     "no-such-config": ("render", {"CONFIG": "huge"}, ["huge", "paper, small, tiny"]),
     "no-ways": ("render", TINY | {"SET": "trv_l1_ways=0"}, ["trv_l1_ways is 0", "from 1 to 16"]),

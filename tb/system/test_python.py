@@ -2,6 +2,8 @@
 """The module `ti` answers numpy arrays of rays in this process, as the program does."""
 
 import os
+import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,16 +12,6 @@ import pytest
 from agents.program import ROOT, SCENES
 
 CORNELL = SCENES / "cornell.gltf"
-
-
-@pytest.fixture(scope="module")
-def module(ti):
-    """The module, built with the programs."""
-    del ti
-    sys.path.insert(0, str(ROOT / "build/sw/python"))
-    import ti as found
-
-    return found
 
 
 def children():
@@ -130,3 +122,77 @@ def test_an_engine_without_room_has_the_scene_scaled(module, ti, tmp_path):
     assert ray[2] > 0 and engine.trace(ray[None]).prims[0] == -1
     with pytest.raises(ValueError, match=r"scale=1000: .*Engine\.scale"):
         scene.diffuse_rays(rays, wave.hits, wave.prims, format=engine.format, scale=1000)
+
+
+def test_a_device_answers_as_the_model_does(module, top):
+    scene = module.Scene(CORNELL)
+    rays = scene.random_rays(500)
+    model = module.Engine(scene, top.config)
+    device = module.Device(library=top.library)
+    device.load(scene.image(top.config))
+    device.flush()
+    for any_hit in (False, True):
+        wave, answers = model.trace(rays, any_hit), device.trace(rays, any_hit)
+        assert answers.hits.tobytes() == wave.hits.tobytes()
+        assert answers.prims.tobytes() == wave.prims.tobytes()
+        assert answers.steps.tobytes() == wave.steps.tobytes()
+        assert not answers.status.any()
+
+
+def test_a_device_has_a_scene_without_room_scaled(module, top, tmp_path):
+    rows = "v 0 0 0\nv 1e38 0 0\nv 1e38 1e38 0\nv 0 1e38 0\nf 1 2 3\nf 1 3 4\n"
+    (tmp_path / "wall.obj").write_text(rows)
+    scene = module.Scene(tmp_path / "wall.obj")
+    model = module.Engine(scene, top.config)
+    assert model.scale < -100
+    device = module.Device(library=top.library)
+    device.load(scene.image(top.config))
+    rays = np.array([[3e37, 2e37, 5e37, 0, 0, 0, -1, np.inf]], np.float32)
+    answers = device.trace(rays)
+    assert answers.hits.tobytes() == model.trace(rays).hits.tobytes()
+    assert abs(answers.hits[0, 0] - 5e37) < 1e31
+
+
+def test_a_device_says_what_it_is_and_what_has_come(module, top, images):
+    device = module.Device(library=top.library)
+    machine = device.identify()
+    assert (machine["format"], machine["cores"], machine["triangle_test"]) == ((8, 23), 1, "local")
+    device.load(module.Image(images(CORNELL).image))
+    rays = np.array([[0, 0, 0, 0, 0, 0, 1, np.inf], [0, 0, 0, 0, 0, 0, 0, 1]], np.float32)
+    assert device.trace(rays).status.tolist() == [0, 1]
+    expected = {"rays": 2, "hits": 2, "invalid_rays": 1, "memory_errors": 0, "watchdogs": 0}
+    assert device.counters() == expected
+    assert device.counter(core=0, unit=0, event=0) == device.counter(core=0, unit=0, event=0) > 0
+
+    device.drain()
+    assert device.irq_status() == {"invalid_ray", "drained"}
+    device.clear_irq({"invalid_ray"})
+    assert device.irq_status() == {"drained"}
+    device.enable_irq({"watchdog", "memory_error"})
+
+
+def test_a_device_refuses_in_one_sentence(module, top, tiny):
+    image = module.Scene(CORNELL).image(tiny.config)
+    device = module.Device(library=top.library, memory_bytes=1024)
+    refused = {
+        "give library=.* or board=": module.Device,
+        "no registers and streams": lambda: module.Device(library=tiny.library),
+        "nowhere.json": lambda: module.Device(board="/nowhere.json"),
+        "no scene yet": lambda: device.trace(np.zeros((1, 8), np.float32)),
+        "no memory for": lambda: device.load(image),
+        "there are the interrupts": lambda: device.clear_irq({"smoke"}),
+    }
+    for says, action in refused.items():
+        with pytest.raises(ValueError, match=says) as error:
+            action()
+        assert "\n" not in str(error.value)
+
+
+def test_the_example_of_a_device_runs(module, top):
+    text = (ROOT / "docs/python.md").read_text().split("## A device")[1]
+    example = re.search(r"```python\n(.*?)```", text, re.DOTALL)[1]
+    done = subprocess.run(
+        [sys.executable, "-c", example], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.fullmatch(r"\(8, 23\) 1 stream\n.*% hit, .* steps a ray\n", done.stdout)

@@ -8,16 +8,6 @@ from agents.program import SCENES, Program, make
 CORNELL = SCENES / "cornell.gltf"
 
 
-@pytest.fixture(scope="session")
-def top(tiny):
-    """`ti` with the ti_top of the configuration tiny, behind its driver."""
-    run = make("top-engine", CONFIG="tiny")
-    assert run.status == 0, run.stdout + run.stderr
-    program = Program("tiny")
-    program.library = program.library.parent / "top/libti_rtl.so"
-    return program
-
-
 @pytest.mark.parametrize("rays", ["random:2000", "shadow:1000", "primary:100"])
 @pytest.mark.parametrize("stalls", [(), ("--stall-seed", 3, "--stall-share", 0.5)])
 def test_hits_are_those_of_the_engine(tiny, top, images, tmp_path, rays, stalls):
