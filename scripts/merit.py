@@ -157,9 +157,19 @@ def figures(row: dict) -> list[str]:
     return texts
 
 
+def run_of(row: dict) -> str:
+    """What was traced, and the memory behind it."""
+    memory = row["memory"]
+    text = f"Cycles: {row['rays']:,} primary rays of {row['scene']}, memory {memory['kind']}"
+    if memory["kind"] == "fixed":
+        text += f", {memory['latency']} cycles, {memory['bytes_per_cycle']:g} bytes a cycle"
+    return text + "."
+
+
 def remarks(rows: list[dict]) -> list[str]:
     """Lines below the table."""
-    lines = [f"- {text}" for text in REMARKS]
+    runs = dict.fromkeys(run_of(row) for row in rows if "rays" in row)
+    lines = [f"- {text}" for text in (*runs, *REMARKS)]
     for row in rows:
         clock, texts = row.get("clock", {}), []
         if clock.get("estimate"):
@@ -257,9 +267,12 @@ class Machine:
     def cell(self) -> dict:
         """Cycles on the scene."""
         scene = self.arguments.scene
+        wanted = (bench.sha256(scene), "primary")
         for value in self.stored:
-            for cell in value.get("cells", ()):
-                if (cell["scene"], cell["ray_type"]) == (scene.name, "primary"):
+            cells = value.get("cells", ())
+            pairs = [(s, kind) for s in value.get("scene_sha256", ()) for kind in value["rays"]]
+            for pair, cell in zip(pairs, cells, strict=False):  # it may have been stopped
+                if pair == wanted:
                     return cell
         config, library = self.build()
         words = [*self.arguments.words, "--scene", scene, "--out", self.out / "bench"]

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from agents.bench import ROOT
-from bench import SCHEMA
+from bench import SCHEMA, sha256
 from configure import load
 from merit import PUBLISHED, clock_of, misfit, with_merit
 from synthesis import configuration_hash
@@ -28,13 +28,12 @@ def stored(folder, areas, clocks, name="tiny", cycles=100_000):
     config = load(name)
     values = {"name": config.name, **config.values}
     head = {"tools": {"pyosys": "0"}, "configuration_hash": configuration_hash(values)}
-    cell = {"scene": SCENE.name, "ray_type": "primary", "cycles": cycles, "rays": 40000}
+    memory = {"kind": "fixed", "latency": 100, "bytes_per_cycle": 64.0}
+    cell = {"scene": "cornell", "cycles": cycles, "rays": 40000, "mem": memory, "good": True}
+    cells = [cell | {"cycles": 1}, cell]
     found = {"area": head | {"units": {"ti_engine": areas}}}
-    found["bench"] = {
-        "schema": SCHEMA,
-        "config": values,
-        "cells": [cell | {"mem": {}, "good": True}],
-    }
+    found["bench"] = {"schema": SCHEMA, "config": values, "cells": cells}
+    found["bench"] |= {"scene_sha256": [sha256(SCENE)], "rays": ["ao", "primary"]}
     for device, units in clocks.items():
         timed = {unit: {"median_mhz": mhz, "mhz": {"1": mhz}} for unit, mhz in units.items()}
         found[f"fmax-{device}"] = head | {"part": device, "units": timed}
@@ -97,6 +96,7 @@ def test_a_row_takes_area_clock_and_cycles_together(tmp_path):
 
     text = (tmp_path / "out/merit.md").read_text()
     assert "tiny, osu018: estimate: ti_list, slowest of 2 units timed alone." in text
+    assert text.count("40,000 primary rays of cornell, memory fixed, 100 cycles, 64 bytes") == 1
     value = json.loads((tmp_path / "out/merit.json").read_text())
     assert [row["part"] for row in value["rows"]] == ["ecp5", "xcup", "osu018"]
     assert value["rows"][0]["mrays_per_s"] == 20
