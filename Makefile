@@ -292,7 +292,15 @@ fmax: need-PART config ## Clock of the units of CONFIG=, or of UNIT=, with the t
 	@$(if $(filter osu018,$(value PART)),[[ -f $(liberty) ]] && command -v sta >/dev/null || scripts/setup.sh --extra,scripts/setup.sh --synthesis)
 	@python scripts/fmax.py $(config) $(call opt,--part,PART) $(call words_of,--unit,UNIT) $(call opt,--seeds,SEEDS) \
 	  $(call opt,--speed,SPEED) $(call opt,--limit,LIMIT) $(call opt,--json,OUT) $(baseline)
+merit: check-mem build/setup.stamp sw $(call made,$(value SCENE)) ## Mrays/s for the size: cells, clock and cycles of CONFIG="tiny small" on each PART= and SCENE=, beside published engines, in one table (PART="ecp5 xcup osu018" UNIT= SEEDS=3 N=40000 MEM= SET= FILE="those of make area, fmax and bench" OUT=)
+	@$(if $(filter osu018,$(merit_parts)),[[ -f $(liberty) ]] && command -v sta >/dev/null || scripts/setup.sh --extra; scripts/setup.sh --cacti)
+	@$(if $(filter sky130,$(merit_parts)),scripts/setup.sh --sky130)
+	@$(if $(filter ecp5 gowin,$(merit_parts)),scripts/setup.sh --synthesis)
+	@python scripts/merit.py $(call words_of,--config,CONFIG) --part $(foreach w,$(merit_parts),'$(subst ','\'',$(w))') --scene $(scene) $(call opt,--set,SET) $(call opt,--cores,CORES) \
+	  $(call words_of,--unit,UNIT) $(call opt,--seeds,SEEDS) $(call words_of,--file,FILE) $(call opt,--count,N) $(memory) \
+	  $(if $(filter file,$(origin SIZE)),,--frame $(call q,SIZE)) --out $(call out,build/merit)
 area_parts = $(or $(value PART),osu018 sky130)
+merit_parts = $(or $(value PART),ecp5 xcup osu018)
 # words_of OPTION,NAME: the option with each word of the variable as a word of the shell.
 words_of = $(if $(value $(2)),$(1) $(foreach w,$(value $(2)),'$(subst ','\'',$(w))'))
 # BASELINE=1 compares with the file of the command and configuration in tb/baselines, REASON= writes it.
@@ -380,5 +388,5 @@ $(made_files): scripts/make_scenes.py $(wildcard scripts/scenes/*.py) | build/se
 	@python scripts/make_scenes.py --big $(@D) $(@F)
 
 FORCE:
-.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine top-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax lint \
+.PHONY: FORCE render machine trace bench compare gallery image hardcases hardcase waves-engine top-engine accuracy fidelity testfloat engine config sw test sim waves operators synth mutants area fmax merit lint \
   effects-table second-opinion convergence format certify fp-volume tree-table registers ip vivado quartus crossings setup clean help dram check-engine no-host check-mem check-unit check-format model sanitized

@@ -189,6 +189,9 @@ def run(arguments: argparse.Namespace) -> int:
         if part not in cells.FPGAS:
             silicon.available(part)
     status, results, compared = 0, {}, {}
+    out = {**heading(design.config), "tolerances": TOLERANCES, "units": results}
+    if set(parts) & set(silicon.LIBRARIES):
+        out["factors"] = silicon.factors()
     for unit in units:
         print(f"{unit} of {design.config['name']}")
         memories = design.memories(unit)
@@ -209,11 +212,8 @@ def run(arguments: argparse.Namespace) -> int:
             results[unit][part] = result
             compared.setdefault(part, {})[unit] = {**result, "ram_bits": found}
             sys.stdout.flush()
-    out = {**heading(design.config), "tolerances": TOLERANCES, "units": results}
-    if set(parts) & set(silicon.LIBRARIES):
-        out["factors"] = silicon.factors()
-    if arguments.json:
-        write_json(arguments.json, out)
+            if arguments.json:
+                write_json(arguments.json, out)
     for part, values in compared.items():
         one = {**out, "part": part, "units": values}
         status |= baselines.settle(arguments, one, tuple(TOLERANCES))

@@ -5,13 +5,15 @@ import json
 import shutil
 import subprocess
 import sys
+from argparse import Namespace
 
+import area as script
 import pytest
 import silicon
 from agents.bench import ROOT
 from area import Area, measure, pattern
 from configure import configure
-from synthesis import LIBERTY, memory_bits, rams
+from synthesis import LIBERTY, MeasureError, memory_bits, rams
 
 BASELINE = ROOT / "tb/baselines/area-tiny.json"
 OPERATORS = ("ti_fp_add", "ti_fp_mul", "ti_fp_cmp", "ti_fp_rcp")
@@ -93,6 +95,23 @@ def test_a_ram_that_became_registers_is_red(tmp_path):
     done = area(tmp_path, "--part", "ecp5", "--unit", "ti_trv_best", "--rtl", rtl)
     assert done.returncode == 1, done.stdout + done.stderr
     assert "bits of RAM became registers" in done.stderr
+
+
+def test_a_part_is_in_the_file_before_the_next_one_is_measured(tmp_path, monkeypatch):
+    configure("tiny", [], tmp_path)
+
+    def first_alone(design, top, part):
+        if part != "ecp5":
+            raise MeasureError("stopped")
+        return measure(design, top, part)
+
+    monkeypatch.setattr(script, "measure", first_alone)
+    words = {"unit": ["ti_fp_cmp"], "part": ["ecp5", "xc7"], "baseline": None, "record": None}
+    out = tmp_path / "out.json"
+    with pytest.raises(MeasureError):
+        script.run(Namespace(config=tmp_path, rtl=ROOT / "rtl", json=out, **words))
+    unit = json.loads(out.read_text())["units"]["ti_fp_cmp"]
+    assert unit["ecp5"]["LUT"] > 0 and "xc7" not in unit
 
 
 @pytest.mark.parametrize(
