@@ -31,7 +31,7 @@ module ti_fifo #(
   logic [CountWidth-1:0] count_q;
   logic push, pop;
 
-  assign in_ready_o  = count_q != CountWidth'(Depth);
+  assign in_ready_o  = count_q < CountWidth'(Depth);
   assign out_valid_o = count_q != '0;
   assign push        = in_valid_i && in_ready_o;
   assign pop         = out_valid_o && out_ready_i;

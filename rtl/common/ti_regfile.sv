@@ -10,7 +10,7 @@ module ti_regfile #(
   /// Words, 1 or more.
   parameter int unsigned Depth = 2,
   /// With fewer bits it is registers: the least that is worth a distributed RAM.
-  parameter int unsigned RamBits = 32,
+  parameter int unsigned RamBits = 8,
   localparam int unsigned AddrWidth = (Depth > 1) ? $clog2(Depth) : 1
 ) (
   input logic clk_i,

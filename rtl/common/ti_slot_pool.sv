@@ -27,7 +27,7 @@ module ti_slot_pool #(
   logic fresh, queue_valid, take_old;
   logic [SlotWidth-1:0] queue_slot;
 
-  assign fresh        = fresh_q != (SlotWidth + 1)'(NumSlots);
+  assign fresh        = fresh_q < (SlotWidth + 1)'(NumSlots);
   assign free_valid_o = fresh || queue_valid;
   assign free_slot_o  = fresh ? fresh_q[SlotWidth-1:0] : queue_slot;
   assign take_old     = take_i && !fresh;
