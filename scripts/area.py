@@ -129,6 +129,8 @@ class Area(Synthesis):
         stat = f"tee -q -o {{out}} {stat}"
         found = self.result(f"{top}.{part}", f"{top}.{part}.json", *commands, stat)["modules"]
         found = {name.removeprefix("\\"): what for name, what in found.items()}
+        if part not in cells.FPGAS:
+            silicon.take_out_units(found)
         return {name: (count, found[name]) for name, count in counts.items()}
 
 

@@ -124,6 +124,14 @@ def sky130_liberty() -> str:
     return "\n".join([*text, "}"]) + "\n"
 
 
+def take_out_units(modules: dict[str, dict]) -> None:
+    """Leaves a module the area of what is in none of its units: `stat` gives it theirs as well."""
+    whole = {name: stat["area"] for name, stat in modules.items()}
+    for stat in modules.values():
+        for name, count in stat["num_cells_by_type"].items():
+            stat["area"] -= count * whole.get(name, 0)
+
+
 def columns(part: str, stat: dict) -> dict[str, float]:
     """Columns of a module from what `stat -json -liberty` says of it."""
     flops = sum(

