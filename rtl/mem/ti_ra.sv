@@ -283,7 +283,7 @@ module ti_ra #(
   assign events_o.l1_merged = use_merge || (again && !use_miss);
   assign events_o.l1_misses = use_miss;
 
-  assign idle_o = !compared && !s1_valid && !s2_valid_q && !rsp_valid_o && rows_empty && !retries;
+  assign idle_o = !compared && !s1_valid && !s2_valid_q && !s3_valid && !rsp_valid_o && rows_empty && !retries;
 
   logic [8*LineBytes-1:0] read_line;
 
@@ -335,15 +335,44 @@ module ti_ra #(
     end
   end
 
+  // Step 3: the line, registered as a slow memory gives it.
+  typedef struct packed {
+    slot_t                  slot;
+    logic                   error;
+    elem_t                  elem;
+    logic [8*LineBytes-1:0] line;
+  } read_t;
+  read_t read, s3;
+  logic s3_valid, s3_ready;
+  assign read = '{slot: s2_slot_q, error: s2_error_q, elem: s2_elem_q, line: read_line};
+  if (LookupStages < 4) begin : gen_at_once
+    assign s3_valid = s2_valid_q;
+    assign s2_taken = s3_ready;
+    assign s3       = read;
+  end else begin : gen_line
+    ti_stage #(
+      .payload_t(read_t)
+    ) u_line (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (s2_valid_q),
+      .in_ready_o (s2_taken),
+      .in_data_i  (read),
+      .out_valid_o(s3_valid),
+      .out_ready_i(s3_ready),
+      .out_data_o (s3)
+    );
+  end
+
   answer_t answer;
   assign answer = '{
-          slot: s2_slot_q,
-          error: s2_error_q,
-          elem: read_line[(32'(s2_elem_q)*ElemBytes*8)+:ElemBytes*8]
+          slot: s3.slot,
+          error: s3.error,
+          elem: s3.line[(32'(s3.elem)*ElemBytes*8)+:ElemBytes*8]
       };
   if (LookupStages < 3) begin : gen_answer
-    assign rsp_valid_o = s2_valid_q;
-    assign s2_taken    = rsp_ready_i;
+    assign rsp_valid_o = s3_valid;
+    assign s3_ready    = rsp_ready_i;
     assign {rsp_slot_o, rsp_error_o, rsp_elem_o} = answer;
   end else begin : gen_answers
     ti_fifo #(
@@ -352,8 +381,8 @@ module ti_ra #(
     ) u_answers (
       .clk_i,
       .rst_ni,
-      .in_valid_i (s2_valid_q),
-      .in_ready_o (s2_taken),
+      .in_valid_i (s3_valid),
+      .in_ready_o (s3_ready),
       .in_data_i  (answer),
       .out_valid_o(rsp_valid_o),
       .out_ready_i(rsp_ready_i),
@@ -382,8 +411,8 @@ module ti_ra #(
   if (Rows < 1 || Rows > ti_mem_pkg::MaxRows) begin : gen_check_rows
     $error("ti_ra: Rows must be 1 to ti_mem_pkg::MaxRows");
   end
-  if (LookupStages < 1 || LookupStages > 3) begin : gen_check_lookup_stages
-    $error("ti_ra: LookupStages must be 1 to 3");
+  if (LookupStages < 1 || LookupStages > 4) begin : gen_check_lookup_stages
+    $error("ti_ra: LookupStages must be 1 to 4");
   end
   if (Elems * ElemBytes != LineBytes || (Elems & (Elems - 1)) != 0) begin : gen_check_elem_bytes
     $error("ti_ra: ElemBytes must divide LineBytes into a power of two");

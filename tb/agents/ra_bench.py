@@ -11,7 +11,7 @@ GATHER, RETRY, BLOCKING = range(3)  # of ti_config_pkg::ray_accumulation_e
 MODE = parameter("Mode", GATHER)
 SLOTS, ROWS, WAYS = (parameter(name, 1) for name in ("NumSlots", "Rows", "Ways"))
 STAGES = parameter("LookupStages", 1)
-QUEUED = 2 if STAGES == 3 else 0  # answers between the line store and the port
+QUEUED = {3: 2, 4: 3}.get(STAGES, 0)  # answers between the line store and the port
 ROW_IDS = 1 << payloads().width("row_id_t") if hasattr(cocotb, "top") else 1
 PLACES = parameter("CacheBytes", 1) // parameter("LineBytes", 1)
 PATTERNS = ["one line", "walk", "every line", "one set", "near", "far"]

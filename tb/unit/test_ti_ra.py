@@ -42,6 +42,7 @@ SHAPES = {
     "compare, one set": (16, 8, 4, 32, 256, GATHER, "trv_rows=8 lookup_stages=2"),
     "compare, blocking": (16, 2, 2, 8, 1024, BLOCKING, "lookup_stages=2"),
     "queue": (8, 2, 2, 8, 1024, GATHER, "lookup_stages=3"),
+    "line": (16, 4, 4, 8, 2048, GATHER, "trv_rows=4 lookup_stages=4"),
     "queue, one line": (32, 8, 1, 4, 64, GATHER, "trv_rows=8 lookup_stages=3"),
     "queue, odd": (
         5,
@@ -53,7 +54,7 @@ SHAPES = {
         "line_bytes=128 trv_rows=5 lookup_stages=3",
     ),
     "queue, retry": (32, 8, 4, 8, 2048, RETRY, "trv_rows=8 lookup_stages=3"),
-    "queue, retry, one row": (5, 1, 1, 4, 128, RETRY, "lookup_stages=3"),
+    "line, retry, one row": (5, 1, 1, 4, 128, RETRY, "lookup_stages=4"),
 }
 
 
