@@ -20,7 +20,7 @@ PATIENCE = 30_000  # cycles without a hit after which a ray is lost
 
 
 class Steps:
-    """The nodes that each ray visits, seen where a step is compared; and who lived in which slot."""
+    """The nodes that each ray visits, seen where a step is compared; who lived in which slot."""
 
     def __init__(self, dut):
         self.nodes, self.rays_of_slot = {}, {}
