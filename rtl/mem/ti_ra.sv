@@ -104,6 +104,16 @@ module ti_ra #(
   slot_t s2_slot_q;
   elem_t s2_elem_q;
 
+  // Step 3: the line, registered as a slow memory gives it.
+  typedef struct packed {
+    slot_t                  slot;
+    logic                   error;
+    elem_t                  elem;
+    logic [8*LineBytes-1:0] line;
+  } read_t;
+  read_t read, s3;
+  logic s3_valid, s3_ready;
+
   // Decisions of this cycle.
   logic hit, victim_valid, merge, row_free, use_hit, use_merge, use_miss, may_ask, line_queue_ready;
   logic [WayWidth-1:0] hit_way, victim_way;
@@ -335,15 +345,6 @@ module ti_ra #(
     end
   end
 
-  // Step 3: the line, registered as a slow memory gives it.
-  typedef struct packed {
-    slot_t                  slot;
-    logic                   error;
-    elem_t                  elem;
-    logic [8*LineBytes-1:0] line;
-  } read_t;
-  read_t read, s3;
-  logic s3_valid, s3_ready;
   assign read = '{slot: s2_slot_q, error: s2_error_q, elem: s2_elem_q, line: read_line};
   if (LookupStages < 4) begin : gen_at_once
     assign s3_valid = s2_valid_q;
