@@ -34,8 +34,8 @@ module ti_regfile #(
     assign read_data_o = mem_q[read_addr_i];
   end
 
-  if (Depth < 1) begin : gen_check_depth
-    $error("ti_regfile: Depth must be 1 or more");
+  if (Depth < 1 || RamBits < 1) begin : gen_check
+    $error("ti_regfile: Depth and RamBits must be 1 or more");
   end
 
 endmodule : ti_regfile

@@ -176,7 +176,7 @@ module ti_list #(
   );
 
   // The answer beside the slot's shared operands.
-  logic answer_valid_q, answer_error_q, answer_no_record_q, answer_last_q, answer_bad, answer_taken;
+  logic answer_valid_q, answer_error_q, answer_last_q, answer_taken;
   ti_pkg::record_t answer_record_q;
   shared_t shared;
 
@@ -189,12 +189,11 @@ module ti_list #(
 
   always_ff @(posedge clk_i) begin
     if (rsp_valid && rsp_ready) begin
-      answer_slot_q <= rsp_slot;
+      answer_slot_q   <= rsp_slot;
       answer_record_q <= ti_pkg::record_t'(rsp_id);
-      answer_error_q <= rsp_error || beyond;
-      answer_no_record_q <= rsp_id >= 32'(num_records_i);
-      answer_last_q <= left.count == 16'd1;
-      answer_left_q <= '{position: left.position + 1'b1, count: left.count};
+      answer_error_q  <= rsp_error || beyond || rsp_id >= 32'(num_records_i);
+      answer_last_q   <= left.count == 16'd1;
+      answer_left_q   <= '{position: left.position + 1'b1, count: left.count};
     end
   end
 
@@ -218,8 +217,7 @@ module ti_list #(
     )
   );
 
-  assign answer_bad = answer_error_q || answer_no_record_q;
-  assign test_valid_o = answer_valid_q && !answer_bad;
+  assign test_valid_o = answer_valid_q && !answer_error_q;
   assign test_data_o = '{
           home: shared.home,
           record: answer_record_q,
@@ -228,7 +226,7 @@ module ti_list #(
           tfar: shared.tfar
       };
 
-  assign return_valid_o = answer_valid_q && answer_bad;
+  assign return_valid_o = answer_valid_q && answer_error_q;
   always_comb begin
     return_data_o       = '0;
     return_data_o.home  = shared.home;

@@ -184,8 +184,8 @@ module ti_ra_rows #(
     .write_data_i(elem_i)
   );
 
-  if (NumSlots < 2 || Rows < 1) begin : gen_check
-    $error("ti_ra_rows: NumSlots must be 2 or more, Rows 1 or more");
+  if (NumSlots < 2 || Rows < 1 || Sets < 1 || ElemWidth < 1 || WayWidth < 1) begin : gen_check
+    $error("ti_ra_rows: NumSlots must be 2 or more, other sizes 1 or more");
   end
 
   `TI_ASSERT(OneRowALine, valid_i |-> $onehot0(match))

@@ -26,7 +26,7 @@ BAD = [
     ("ti_sync", {"Stages": 1}, "Stages must be 2 or more"),
     ("ti_queue", {"Depth": 0}, "Depth must be 1 or more"),
     ("ti_ram_1r1w", {"Depth": 0}, "Depth must be 1 or more"),
-    ("ti_regfile", {"Depth": 0}, "Depth must be 1 or more"),
+    *(("ti_regfile", {key: 0}, "Depth and RamBits must be 1") for key in ("Depth", "RamBits")),
     ("ti_round_robin", {"Num": 0}, "Num must be 1 or more"),
     ("ti_slot_pool", {"NumSlots": 1}, "NumSlots must be 2 or more"),
     ("ti_xbar", {"NumIn": 0}, "NumIn must be 1 or more"),
@@ -71,8 +71,11 @@ BAD = [
     ("ti_ra", {"Rows": 3}, "Rows must be 1 to ti_mem_pkg::MaxRows"),
     ("ti_ra", {"LookupStages": 0}, "LookupStages must be 1 to 4"),
     ("ti_ra", {"LookupStages": 5}, "LookupStages must be 1 to 4"),
-    ("ti_ra_rows", {"NumSlots": 1}, "NumSlots must be 2 or more, Rows 1 or more"),
-    ("ti_ra_rows", {"Rows": 0}, "NumSlots must be 2 or more, Rows 1 or more"),
+    ("ti_ra_rows", {"NumSlots": 1}, "NumSlots must be 2 or more, other sizes 1 or more"),
+    *(
+        ("ti_ra_rows", {key: 0}, "NumSlots must be 2 or more, other sizes 1 or more")
+        for key in ("Rows", "Sets", "ElemWidth", "WayWidth")
+    ),
     ("ti_ra_retry", {"NumSlots": 1}, "NumSlots must be 2 or more"),
     ("ti_ra", {"ElemBytes": 24}, "ElemBytes must divide LineBytes into a power of two"),
     ("ti_ra", {"ElemBytes": 128}, "ElemBytes must divide LineBytes into a power of two"),
