@@ -293,7 +293,9 @@ module ti_ra #(
   assign events_o.l1_merged = use_merge || (again && !use_miss);
   assign events_o.l1_misses = use_miss;
 
-  assign idle_o = !compared && !s1_valid && !s2_valid_q && !s3_valid && !rsp_valid_o && rows_empty && !retries;
+  logic answering;
+  assign answering = s2_valid_q || s3_valid || rsp_valid_o;
+  assign idle_o = !compared && !s1_valid && !answering && rows_empty && !retries;
 
   logic [8*LineBytes-1:0] read_line;
 

@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -122,6 +123,28 @@ def test_an_engine_without_room_has_the_scene_scaled(module, ti, tmp_path):
     assert ray[2] > 0 and engine.trace(ray[None]).prims[0] == -1
     with pytest.raises(ValueError, match=r"scale=1000: .*Engine\.scale"):
         scene.diffuse_rays(rays, wave.hits, wave.prims, format=engine.format, scale=1000)
+
+
+def test_the_module_shares_no_types_with_other_modules(module, ti):
+    """Those of the tests bind classes of the same programs; either may come first."""
+    del module
+    folders = [str(ROOT / "build/sw"), str(ROOT / "build/sw/python")]
+    for first, second in (("ti", "ti_model"), ("ti_model", "ti")):
+        lines = f"""
+            import gc, sys
+            sys.path[:0] = {folders}
+            import {first}, {second}
+            assert ti.Image is not ti_model.Image
+            scene = ti.Scene({str(CORNELL)!r})
+            kept = [scene.image({str(ti.config)!r}) for _ in range(3)]
+            assert all(isinstance(image, ti.Image) and image.bytes > 0 for image in kept)
+            kept.append(kept)
+            del scene, kept
+            gc.collect()
+        """
+        words = [sys.executable, "-W", "error", "-c", textwrap.dedent(lines)]
+        done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
 
 
 def test_a_device_answers_as_the_model_does(module, top):
