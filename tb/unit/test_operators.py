@@ -86,11 +86,11 @@ READERS = ("trv", "list", "ist1")
 
 
 def tags_of(keys, cache, banks=1):
-    """Bits of tags, valid, pinned, LRU and the write seen early of one cache, over its banks."""
+    """Bits of tags and state of one cache, over its banks, with those of the set looked up."""
     size, ways = keys[f"{cache}_bytes"] // banks, keys[f"{cache}_ways"]
     sets = size // (ways * keys["line_bytes"])
     tag = keys["addr_bits"] - (keys["line_bytes"] - 1).bit_length() - (sets - 1).bit_length()
-    state = sets * (2 * ways + max(ways - 1, 1))
+    state = (sets + 1) * (2 * ways + max(ways - 1, 1))
     return banks * (ways * tag * (max(sets, 2) + 1) + 1 + state)
 
 
