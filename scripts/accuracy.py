@@ -142,7 +142,7 @@ class Task:
         self.words = [*words, f"--out={self.out}"]
 
     def folder_of(self, arguments: argparse.Namespace, key: tuple) -> Path:
-        return arguments.out / "config" / self.overrides[key].replace(" ", "-")
+        return arguments.out / "config" / configure.folder_name(self.overrides[key])
 
     def lines(self) -> list[tuple[dict, dict]]:
         """What is new in the folder: points with the lines of `ti`."""

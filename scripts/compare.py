@@ -21,7 +21,6 @@ import argparse
 import csv
 import json
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -79,7 +78,7 @@ def variants_of(text: str) -> list[str]:
 
 def folder_of(variant: str) -> str:
     """Name of a variant's folder."""
-    return re.sub(r"[^\w.=-]", "_", variant.replace(" ", "-")) or "as-it-is"
+    return configure.folder_name(variant) or "as-it-is"
 
 
 def machine_of(

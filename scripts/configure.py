@@ -97,6 +97,12 @@ def _digest(value: object) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:8]
 
 
+def folder_name(words: str) -> str:
+    """A folder's name for these words: readable, taken whole by every tool, short enough."""
+    name = re.sub(r"[^\w=.-]", "_", "-".join(words.split()))
+    return name if len(name) <= 120 else f"{name[:110]}-{_digest(words)}"
+
+
 def _plain(name: str) -> str:
     """`name` without what makefiles and shells read as their own."""
     return re.sub(r"[^\w.-]", "_", name, flags=re.ASCII)

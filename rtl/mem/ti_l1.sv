@@ -268,7 +268,9 @@ module ti_l1 #(
     $error("ti_l1: LineAddrWidth must be more than the bits of the number of a set");
   end
 
-  `TI_ASSERT(HitsOneWay, $onehot0(match))
+  // Of a look-up that is used: behind one that was, old tags may stand beside new valid bits.
+  `TI_ASSERT(HitsOneWay, touch_i |-> $onehot(match))
+  `TI_ASSERT(AllocatesWhatMissed, alloc_i |-> match == '0)
   `TI_ASSERT(FillsReserved, fill_i |-> pinned_q[fill_set_i][fill_way_i])
   `TI_ASSERT(UnpinsPinned, unpin_i |-> pinned_q[unpin_set_i][unpin_way_i])
   `TI_ASSERT(AllocatesFree, alloc_i |-> victim_valid_o)

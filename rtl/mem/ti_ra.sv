@@ -28,7 +28,7 @@ module ti_ra #(
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
   parameter ti_config_pkg::ray_accumulation_e Mode = ti_config_pkg::RayAccumulationGather,
-  /// From 2 on, tags and rows are compared in a step of their own; with 3, answers wait in a queue of two.
+  /// 1 to 4: from 2 on tags and rows are compared in a step of their own; 3 and 4 are of `ti_ra_answers`.
   parameter int unsigned LookupStages = ti_config_pkg::LookupStages,
   localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
@@ -89,12 +89,6 @@ module ti_ra #(
     logic [WayWidth-1:0] way;
   } place_t;
 
-  typedef struct packed {
-    slot_t                  slot;
-    logic                   error;
-    logic [8*ElemBytes-1:0] elem;
-  } answer_t;
-
   // Step 1: the request whose tags have been read, and with `Compare` compared.
   lookup_t look, compare, s1;
   logic look_valid, look_ready, look_go, compare_valid, s1_ready, s1_valid, s1_done;
@@ -104,15 +98,7 @@ module ti_ra #(
   slot_t s2_slot_q;
   elem_t s2_elem_q;
 
-  // Step 3: the line, registered as a slow memory gives it.
-  typedef struct packed {
-    slot_t                  slot;
-    logic                   error;
-    elem_t                  elem;
-    logic [8*LineBytes-1:0] line;
-  } read_t;
-  read_t read, s3;
-  logic s3_valid, s3_ready;
+  logic  answers_idle;
 
   // Decisions of this cycle.
   logic hit, victim_valid, merge, row_free, use_hit, use_merge, use_miss, may_ask, line_queue_ready;
@@ -293,9 +279,7 @@ module ti_ra #(
   assign events_o.l1_merged = use_merge || (again && !use_miss);
   assign events_o.l1_misses = use_miss;
 
-  logic answering;
-  assign answering = s2_valid_q || s3_valid || rsp_valid_o;
-  assign idle_o = !compared && !s1_valid && !answering && rows_empty && !retries;
+  assign idle_o = !compared && !s1_valid && !s2_valid_q && answers_idle && rows_empty && !retries;
 
   logic [8*LineBytes-1:0] read_line;
 
@@ -347,51 +331,27 @@ module ti_ra #(
     end
   end
 
-  assign read = '{slot: s2_slot_q, error: s2_error_q, elem: s2_elem_q, line: read_line};
-  if (LookupStages < 4) begin : gen_at_once
-    assign s3_valid = s2_valid_q;
-    assign s2_taken = s3_ready;
-    assign s3       = read;
-  end else begin : gen_line
-    ti_stage #(
-      .payload_t(read_t)
-    ) u_line (
-      .clk_i,
-      .rst_ni,
-      .in_valid_i (s2_valid_q),
-      .in_ready_o (s2_taken),
-      .in_data_i  (read),
-      .out_valid_o(s3_valid),
-      .out_ready_i(s3_ready),
-      .out_data_o (s3)
-    );
-  end
-
-  answer_t answer;
-  assign answer = '{
-          slot: s3.slot,
-          error: s3.error,
-          elem: s3.line[(32'(s3.elem)*ElemBytes*8)+:ElemBytes*8]
-      };
-  if (LookupStages < 3) begin : gen_answer
-    assign rsp_valid_o = s3_valid;
-    assign s3_ready    = rsp_ready_i;
-    assign {rsp_slot_o, rsp_error_o, rsp_elem_o} = answer;
-  end else begin : gen_answers
-    ti_fifo #(
-      .payload_t(answer_t),
-      .Depth    (2)
-    ) u_answers (
-      .clk_i,
-      .rst_ni,
-      .in_valid_i (s3_valid),
-      .in_ready_o (s3_ready),
-      .in_data_i  (answer),
-      .out_valid_o(rsp_valid_o),
-      .out_ready_i(rsp_ready_i),
-      .out_data_o ({rsp_slot_o, rsp_error_o, rsp_elem_o})
-    );
-  end
+  ti_ra_answers #(
+    .SlotWidth   (SlotWidth),
+    .LineBytes   (LineBytes),
+    .ElemBytes   (ElemBytes),
+    .LookupStages(LookupStages)
+  ) u_answers (
+    .clk_i,
+    .rst_ni,
+    .idle_o      (answers_idle),
+    .read_valid_i(s2_valid_q),
+    .read_ready_o(s2_taken),
+    .read_slot_i (s2_slot_q),
+    .read_error_i(s2_error_q),
+    .read_elem_i (s2_elem_q),
+    .read_line_i (read_line),
+    .rsp_valid_o,
+    .rsp_ready_i,
+    .rsp_slot_o,
+    .rsp_elem_o,
+    .rsp_error_o
+  );
 
   // Line requests wait here for the port; a row asks once, so Rows places are enough.
   ti_fifo #(

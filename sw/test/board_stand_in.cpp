@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   const std::map<std::string, BoardStandIn::Options> kinds{
       {"", {}},
       {"dma", {.fault = Fault::RaysUnmapped}},
-      {"silent", {.fault = Fault::Silent, .seconds = 1.0}},
+      {"silent", {.fault = Fault::Silent, .seconds = 2.0}},
       {"version", {.fault = Fault::Version}},
       {"small", {.buffer_bytes = 4096}}};
   const auto found = kinds.find(argc == 4 ? argv[3] : "");

@@ -28,7 +28,7 @@ class BoardStandIn {
     int streams = 1;
     std::uint64_t buffer_bytes = 1U << 20U;
     Fault fault = Fault::None;
-    double seconds = 5.0;  ///< in the board file
+    double seconds = 60.0;  ///< in the board file
     int length_bits = 26;
     Tracer::Options model = {};
   };

@@ -92,7 +92,7 @@ TEST_CASE("board: what goes wrong on it is one sentence") {
   const std::vector<Case> cases{
       {{.fault = Fault::RaysUnmapped}, {"uio1: the DMA of the rays stops", "MM2S_DMASR"}},
       {{.fault = Fault::HitsRefused}, {"the DMA of the hits stops", "S2MM_DMASR is 00000021"}},
-      {{.fault = Fault::Silent, .seconds = 0.5}, {"uio1: the hits do not come"}},
+      {{.fault = Fault::Silent, .seconds = 2.0}, {"uio1: the hits do not come"}},
       {{.fault = Fault::Deaf, .seconds = 0.05}, {"uio1: its reset does not end"}},
       {{.fault = Fault::Version}, {"registers of version 2"}},
       {{.buffer_bytes = 1024}, {"udmabuf0: the buffer has 1024 bytes", "the scene"}},

@@ -30,6 +30,14 @@ def test_the_defaults_are_a_configuration(tmp_path):
     assert (SCHEMA.keys["exp_bits"].default, SCHEMA.keys["frac_bits"].default) in SCHEMA.formats
 
 
+def test_a_folder_of_many_overrides_has_a_short_name_of_its_own():
+    many = [" ".join(f"list_l2_bytes={n}" for n in range(first, 60)) for first in (0, 1)]
+    names = [configure.folder_name(f"tiny {words}") for words in [*many, f"{many[0]} x=1"]]
+    assert len(set(names)) == 3
+    assert max(map(len, names)) <= 120
+    assert configure.folder_name("tiny mem=fixed:1,2 exp_bits=7") == "tiny-mem=fixed_1_2-exp_bits=7"
+
+
 # --- What is refused -----------------------------------------------------------------------------
 
 

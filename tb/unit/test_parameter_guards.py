@@ -77,6 +77,10 @@ BAD = [
         for key in ("Rows", "Sets", "ElemWidth", "WayWidth")
     ),
     ("ti_ra_retry", {"NumSlots": 1}, "NumSlots must be 2 or more"),
+    ("ti_ra_answers", {"SlotWidth": 0}, "SlotWidth must be 1 or more"),
+    *(("ti_ra_answers", {"LookupStages": n}, "LookupStages must be 1 to 4") for n in (0, 5)),
+    ("ti_ra_answers", {"ElemBytes": 24}, "ElemBytes must divide LineBytes into a power of two"),
+    ("ti_ra_answers", {"LineBytes": 60}, "ElemBytes must divide LineBytes into a power of two"),
     ("ti_ra", {"ElemBytes": 24}, "ElemBytes must divide LineBytes into a power of two"),
     ("ti_ra", {"ElemBytes": 128}, "ElemBytes must divide LineBytes into a power of two"),
     *(
