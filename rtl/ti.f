@@ -58,6 +58,7 @@ rtl/traverse/kd/ti_trv.sv
 rtl/traverse/ti_traverse.sv
 rtl/intersect/ti_list.sv
 rtl/intersect/ti_ist1_verdict.sv
+rtl/intersect/ti_ist1_front.sv
 rtl/intersect/ti_ist1_pipe.sv
 rtl/intersect/ti_ist1_egress.sv
 rtl/intersect/ti_ist1.sv

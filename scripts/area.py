@@ -6,7 +6,7 @@ Parts (docs/synthesis.md says what each column counts and where each factor is f
 
   xcup xc7 ecp5 gowin   UltraScale+, 7 series, ECP5, GW2A: LUT, FF, DSP, BRAM, LUTRAM by Yosys
   osu018                gate equivalents; with CACTI's SRAM, mm2 at 65 nm
-  sky130                um2 of the sky130_fd_sc_hd cells, without SRAM
+  sky130                um2 of the sky130_fd_sc_hd cells, without memories
 
 The engine is read with its hierarchy; of equal instances of a unit one stands for all, so that each
 distinct unit is mapped once, flattened inside, and counted as often as it is there.  Nothing is
@@ -31,8 +31,9 @@ import cells
 import operators
 import silicon
 from synthesis import (
+    CUT_FILES,
     CUT_RAMS,
-    RAMS,
+    RAM,
     ROOT,
     MeasureError,
     Synthesis,
@@ -67,7 +68,7 @@ class Area(Synthesis):
         self._elaborated: dict[str, tuple[dict, int]] = {}
 
     def elaborated(self, top: str) -> tuple[dict[tuple, list[str]], int]:
-        """Instances of BORDERS by module and parameters, and the bits that RAM wrappers ask for."""
+        """Instances of BORDERS by module and parameters; bits that the RAM wrapper asks for."""
         if top not in self._elaborated:
             slang, root = operators.elaborate(self.packages[0], self.rtl, top, self.parameters(top))
             groups: dict[tuple, list[str]] = {}
@@ -80,7 +81,7 @@ class Area(Synthesis):
                     key = operators.signature(instance.body)
                     groups.setdefault(key, []).append(instance.hierarchicalPath)
                     inside = True
-                if module in RAMS:
+                if module == RAM:
                     stored = operators.stored(instance.body)
                     bits += sum(width for _, is_array, width in stored if is_array)
                 for symbol in operators.members(instance.body):
@@ -123,7 +124,7 @@ class Area(Synthesis):
             stat = "stat -json"
         else:
             liberty, steps = silicon.library(part, self.work)
-            commands += [f"synth -top {top} -run begin:fine", *CUT_RAMS]
+            commands += [f"synth -top {top} -run begin:fine", *CUT_RAMS, *CUT_FILES]
             commands += [f"synth -noabc -top {top} -run fine:check", *steps]
             stat = f"stat -json -liberty {liberty}"
         stat = f"tee -q -o {{out}} {stat}"

@@ -124,7 +124,7 @@ class Fmax(Synthesis):
         """One run of nextpnr: its report; the delays are in a file beside it."""
         _, program, words, _ = FPGAS[self.part]
         out = self.work / f"{unit}.{seed}"
-        command = [TOOLS / "bin" / program, "--quiet", *words.format(speed=self.speed).split()]
+        command = [TOOLS / "bin" / program, *words.format(speed=self.speed).split()]
         command += ["--timing-allow-fail", "--threads", "1", "--freq", str(TARGET_MHZ)]
         command += ["--seed", str(seed), "--json", f"{unit}.json"]
         command += ["--report", f"{out.name}.report.json", "--sdf", f"{out.name}.sdf"]

@@ -10,7 +10,17 @@ import subprocess
 from pathlib import Path
 
 from operators import PAPER_KB, PAPER_MM2, REGISTER_FILES
-from synthesis import LIBERTY, NAND2_UM2, ROOT, MeasureError, memory_bits, rams
+from synthesis import (
+    FILE_BITS,
+    FILE_WORDS,
+    LIBERTY,
+    NAND2_UM2,
+    ROOT,
+    MeasureError,
+    memory_bits,
+    rams,
+    register_files,
+)
 
 LIBRARIES = {"osu018": "OSU cells, 0.18 um rules", "sky130": "sky130_fd_sc_hd, 130 nm"}
 GATE_UM2_65 = 1.44  # NAND2 of a common 65 nm library of 9 tracks
@@ -59,6 +69,8 @@ def factors() -> dict:
         "utilisation": UTILISATION,
         "sram": "CACTI 7 of hwcomponents-cacti 1.0.40, 65 nm, itrs-hp, 1 read and 1 write port",
         "sram_macro_bytes": MACRO_BYTES,
+        "register_file_least_words": FILE_WORDS,
+        "register_file_least_bits_a_word": FILE_BITS,
         "sky130": "LEF of sky130 0.15.3, sky130_fd_sc_hd, size 1",
         "published_core_mm2": PAPER_MM2["core"],
         "published_wiring_mm2": PAPER_WIRING_MM2,
@@ -209,21 +221,26 @@ def cacti(width: int, rows: int) -> float | None:
 
 
 def at_65_nm(result: dict, memories: list[dict]) -> dict:
-    """mm2 of logic and of SRAM; lines of caches apart from other SRAM."""
+    """mm2 of logic and of memories: lines of caches, other SRAM, register files."""
     kept: dict = {}
-    sram = {"lines": 0.0, "others": 0.0}
-    for row in rams(memories):
-        what = "lines" if row["name"].endswith("u_lines.mem_q") else "others"
-        sram[what] += sram_mm2(row["words"], row["bits"], kept) * row["count"]
+    mm2 = {"lines": 0.0, "others": 0.0, "files": 0.0}
+    chosen = {"sram": rams(memories), "files": register_files(memories)}
+    for kind, rows in chosen.items():
+        for row in rows:
+            lines = "lines" if row["name"].endswith("u_lines.mem_q") else "others"
+            what = lines if kind == "sram" else kind
+            mm2[what] += sram_mm2(row["words"], row["bits"], kept) * row["count"]
     cells = result["gate_equivalents"] * GATE_UM2_65 / 1e6
     return {
         "cells_mm2": cells,
         "logic_mm2": cells / UTILISATION,
-        "sram_mm2": sum(sram.values()),
-        "sram_lines_mm2": sram["lines"],
-        "sram_kb": memory_bits(rams(memories)) / 8192,
-        "mm2_65nm": cells / UTILISATION + sum(sram.values()),
-        "sram_macros": {f"{w} B x {n}": mm2 for (w, n), mm2 in sorted(kept.items())},
+        "sram_mm2": mm2["lines"] + mm2["others"],
+        "sram_lines_mm2": mm2["lines"],
+        "sram_kb": memory_bits(chosen["sram"]) / 8192,
+        "files_mm2": mm2["files"],
+        "files_kb": memory_bits(chosen["files"]) / 8192,
+        "mm2_65nm": cells / UTILISATION + sum(mm2.values()),
+        "sram_macros": {f"{w} B x {n}": area for (w, n), area in sorted(kept.items())},
     }
 
 
@@ -231,8 +248,9 @@ def print_65_nm(result: dict) -> None:
     """Area at 65 nm with its factors."""
     print(
         f"\n65 nm: {result['gate_equivalents']:,.0f} gates x {GATE_UM2_65} um2 / {UTILISATION} = "
-        f"{result['logic_mm2']:.4f} mm2 of logic; {result['sram_kb']:.1f} KB of SRAM = "
-        f"{result['sram_mm2']:.4f} mm2 by CACTI; {result['mm2_65nm']:.4f} mm2 in all"
+        f"{result['logic_mm2']:.4f} mm2 of logic; by CACTI {result['sram_kb']:.1f} KB of SRAM = "
+        f"{result['sram_mm2']:.4f} mm2, {result['files_kb']:.1f} KB of register files = "
+        f"{result['files_mm2']:.4f} mm2; {result['mm2_65nm']:.4f} mm2 in all"
     )
 
 
@@ -246,6 +264,7 @@ def print_published(result: dict, gates: dict[str, float], bits: dict[str, int])
         ("logic, placed", result["logic_mm2"], None),
         ("SRAM of cache lines", result["sram_lines_mm2"], None),
         ("other SRAM", result["sram_mm2"] - result["sram_lines_mm2"], None),
+        ("register files", result["files_mm2"], None),
         ("all but wiring", result["mm2_65nm"], PAPER_MM2["core"] - PAPER_WIRING_MM2),
         ("wiring", None, PAPER_WIRING_MM2),
     ]

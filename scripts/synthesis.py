@@ -61,16 +61,23 @@ UNITS = ("ti_rd", "ti_trv", "ti_list", "ti_ist1", "ti_ist2", *OPERATORS)
 
 LIBERTY = Path("/usr/share/qflow/tech/osu018/osu018_stdcells.lib")
 NAND2_UM2 = 24.0  # area of NAND2X1 there, one gate equivalent
-# Wrappers of RAM; their memories are marked, and those with a clocked read can be cut out.  Paths
+# Wrappers of memories; what is in them is marked with the wrapper's name and can be cut out.  Paths
 # that end at one end at new outputs.
-RAMS = ("ti_ram_1r1w",)
-MARK = "ti_ram"
-CUT_RAMS = (
-    f"select -set rams t:$mem_v2 a:{MARK} %i r:RD_CLK_ENABLE=1'1 %i",
-    "expose @rams %ci:+[RD_ADDR,RD_EN,WR_ADDR,WR_DATA,WR_EN] w:* %i",
-    "delete @rams",
-    "setundef -undriven -expose",
-)
+RAM, FILE = "ti_ram_1r1w", "ti_regfile"
+FILE_WORDS, FILE_BITS = 16, 32  # a register file with fewer words or bits a word is not cut out
+
+
+def _cut(memories: str) -> tuple[str, ...]:
+    return (
+        f"select -set cut t:$mem_v2 {memories}",
+        "expose @cut %ci:+[RD_ADDR,RD_EN,WR_ADDR,WR_DATA,WR_EN] w:* %i",
+        "delete @cut",
+        "setundef -undriven -expose",
+    )
+
+
+CUT_RAMS = _cut(f"a:{RAM} %i r:RD_CLK_ENABLE=1'1 %i")
+CUT_FILES = _cut(f"a:{FILE} %i r:SIZE>={FILE_WORDS} %i r:WIDTH>={FILE_BITS} %i")
 
 YOSYS = (
     "import sys; from pyosys import libyosys as y; d = y.Design(); "
@@ -116,8 +123,8 @@ class Synthesis:
         return " ".join(["read_slang", *options, *map(str, sources)])
 
     def marked(self, module: str) -> list[str]:
-        """Commands that read a module with its hierarchy and mark the memories of RAM wrappers."""
-        marks = [f"setattr -set {MARK} 1 {ram}*/m:*" for ram in RAMS]
+        """Commands that read a module with its hierarchy and mark the memories of wrappers."""
+        marks = [f"setattr -set {wrapper} 1 {wrapper}*/m:*" for wrapper in (RAM, FILE)]
         return [self.read(module, "--keep-hierarchy"), *marks]
 
     def run(self, name: str, *commands: str) -> tuple[bool, str]:
@@ -147,9 +154,9 @@ class Synthesis:
 def memory_rows(modules: dict, counts: dict[str, int] | None = None) -> list[dict]:
     """Memories in a JSON netlist with `$mem_v2` cells, largest first.
 
-    A row has the name without indices, words, bits a word, ports, whether the read is clocked,
-    whether it is marked as that of a RAM wrapper, and how many there are; `counts` says how often a
-    module stands in the design, where not once.
+    A row has the name without indices, words, bits a word, ports, whether the read is clocked, the
+    wrapper that it is marked with, if any, and how many there are; `counts` says how often a module
+    stands in the design, where not once.
     """
     found = Counter()
     for module, part in modules.items():
@@ -160,7 +167,7 @@ def memory_rows(modules: dict, counts: dict[str, int] | None = None) -> list[dic
             ports = (value["RD_PORTS"], value["WR_PORTS"])
             clocked = cell["parameters"]["RD_CLK_ENABLE"].count("1") == ports[0] > 0
             key = (re.sub(r"\[\d+\]", "", name), value["SIZE"], value["WIDTH"], *ports)
-            key += (clocked, MARK in cell["attributes"])
+            key += (clocked, next((w for w in (RAM, FILE) if w in cell["attributes"]), None))
             found[key] += 1 if counts is None else counts[module]
     keys = ("name", "words", "bits", "read_ports", "write_ports", "clocked_read", "wrapper")
     keys += ("count",)
@@ -169,8 +176,17 @@ def memory_rows(modules: dict, counts: dict[str, int] | None = None) -> list[dic
 
 
 def rams(rows: list[dict]) -> list[dict]:
-    """Those of RAM wrappers that Yosys sees as RAM, with a clocked read."""
-    return [row for row in rows if row["wrapper"] and row["clocked_read"]]
+    """Those of the RAM wrapper that Yosys sees as RAM, with a clocked read."""
+    return [row for row in rows if row["wrapper"] == RAM and row["clocked_read"]]
+
+
+def register_files(rows: list[dict]) -> list[dict]:
+    """Those of the wrapper of register files that are large enough to be a macro."""
+    return [
+        row
+        for row in rows
+        if row["wrapper"] == FILE and row["words"] >= FILE_WORDS and row["bits"] >= FILE_BITS
+    ]
 
 
 def memory_bits(rows: list[dict]) -> int:

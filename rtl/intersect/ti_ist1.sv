@@ -92,16 +92,9 @@ module ti_ist1 #(
   // Slots.
   logic slot_free, take, give;
   slot_t new_slot, give_slot;
-  ti_pkg::record_t record_q[NumSlots];
 
   assign test_ready_o = slot_free;
   assign take         = test_valid_i && test_ready_o;
-
-  always_ff @(posedge clk_i) begin
-    if (take) begin
-      record_q[new_slot] <= test_data_i.record;
-    end
-  end
 
   ti_slot_pool #(
     .NumSlots(NumSlots)
@@ -123,44 +116,57 @@ module ti_ist1 #(
   // Requests: an arbiter of new tests and tests that have passed (a).
   logic req_valid, req_ready, go_on;
   logic [1:0] requests_valid, requests_ready, requests_lost;
-  slot_t plane_req_slot, bary_req_slot;
+  ti_pkg::record_t bary_record;
+  request_t plane_request, bary_request;
   request_t requests[2];
   request_t req;
 
+  ti_regfile #(
+    .Depth (NumSlots),
+    .word_t(ti_pkg::record_t)
+  ) u_records (
+    .clk_i,
+    .read_addr_i (result_tag.slot),
+    .read_data_o (bary_record),
+    .write_en_i  (take),
+    .write_addr_i(new_slot),
+    .write_data_i(test_data_i.record)
+  );
+
+  assign plane_request = '{
+          slot: new_slot,
+          addr: plane_base_i + (ti_mem_pkg::addr_t'(test_data_i.record) << 5)
+      };
+  assign bary_request = '{
+          slot: result_tag.slot,
+          addr: bary_base_i + (ti_mem_pkg::addr_t'(bary_record) << 4)
+      };
+
   ti_queue #(
-    .payload_t(slot_t),
+    .payload_t(request_t),
     .Depth    (NumSlots)
   ) u_plane_req (
     .clk_i,
     .rst_ni,
     .push_i     (take),
-    .push_data_i(new_slot),
+    .push_data_i(plane_request),
     .out_valid_o(requests_valid[0]),
     .out_ready_i(requests_ready[0]),
-    .out_data_o (plane_req_slot)
+    .out_data_o (requests[0])
   );
 
   ti_queue #(
-    .payload_t(slot_t),
+    .payload_t(request_t),
     .Depth    (NumSlots)
   ) u_bary_req (
     .clk_i,
     .rst_ni,
     .push_i     (go_on),
-    .push_data_i(result_tag.slot),
+    .push_data_i(bary_request),
     .out_valid_o(requests_valid[1]),
     .out_ready_i(requests_ready[1]),
-    .out_data_o (bary_req_slot)
+    .out_data_o (requests[1])
   );
-
-  assign requests[0] = '{
-          slot: plane_req_slot,
-          addr: plane_base_i + (ti_mem_pkg::addr_t'(record_q[plane_req_slot]) << 5)
-      };
-  assign requests[1] = '{
-          slot: bary_req_slot,
-          addr: bary_base_i + (ti_mem_pkg::addr_t'(record_q[bary_req_slot]) << 4)
-      };
 
   ti_arbiter #(
     .payload_t(request_t),
@@ -178,8 +184,12 @@ module ti_ist1 #(
   );
 
   logic [NumSlots-1:0] pass_b_q;  // which part the slot has asked for
+  logic [NumSlots-1:0] odd_q;  // its barycentric part is the second of an element
   always_ff @(posedge clk_i) begin
-    if (take) pass_b_q[new_slot] <= 1'b0;
+    if (take) begin
+      pass_b_q[new_slot] <= 1'b0;
+      odd_q[new_slot]    <= test_data_i.record[0];
+    end
     if (go_on) pass_b_q[result_tag.slot] <= 1'b1;
   end
 
@@ -242,7 +252,7 @@ module ti_ist1 #(
       issue_slot_q <= rsp_slot;
       issue_elem_q <= rsp_elem;
       issue_b_q    <= pass_b_q[rsp_slot];
-      issue_odd_q  <= record_q[rsp_slot][0];
+      issue_odd_q  <= odd_q[rsp_slot];
     end
   end
 

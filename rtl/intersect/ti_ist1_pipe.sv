@@ -9,7 +9,7 @@
 /// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p), or with `Np` as
 /// published: then G2 takes o in place of a, X2 gives m = nu*ou + nv*ov, X3 m + ow, and one more ADD, X4, dett = np -
 /// that; latency and the rest are as if X4 stood behind X3 in both passes.
-/// One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
+/// G1, H and G2 are in `ti_ist1_front`.  One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
 /// time and serves both passes there.  No stall.
 ///
 /// | step    | starts at | pass (a)                             | pass (b)                          |
@@ -82,193 +82,34 @@ module ti_ist1_pipe #(
   end
   always_ff @(posedge clk_i) pass_b_q <= {pass_b_q[TimeVerdict-1:0], pass_b_i};
 
-  // Time 0, components in the order u, v, w.
-  ti_pkg::vec3_t o, d;
-  always_comb begin
-    unique case (axis_i)
-      2'd0: begin
-        o = {o_i[0], o_i[2], o_i[1]};
-        d = {d_i[0], d_i[2], d_i[1]};
-      end
-      2'd1: begin
-        o = {o_i[1], o_i[0], o_i[2]};
-        d = {d_i[1], d_i[0], d_i[2]};
-      end
-      default: begin
-        o = {o_i[2], o_i[1], o_i[0]};
-        d = {d_i[2], d_i[1], d_i[0]};
-      end
-    endcase
-  end
-
-  fp_t [2:0] g1;
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_g1_0 (
+  // G1, H, G2.
+  fp_t dw_0, ow_h, np_h, h_u, h_v, h_w, h_n, g2_0, g2_1;
+  ti_ist1_front #(
+    .Np(Np)
+  ) u_front (
     .clk_i,
     .rst_ni,
-    .valid_i,
-    .a_i(pass_b_i ? d[0] : plane_i.nu[W-1:0]),
-    .b_i(pass_b_i ? dett_i : d[0]),
-    .valid_o(),
-    .result_o(g1[0])
-  );
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_g1_1 (
-    .clk_i,
-    .rst_ni,
-    .valid_i,
-    .a_i(pass_b_i ? d[1] : plane_i.nv[W-1:0]),
-    .b_i(pass_b_i ? dett_i : d[1]),
-    .valid_o(),
-    .result_o(g1[1])
-  );
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_g1_2 (
-    .clk_i,
-    .rst_ni,
-    .valid_i(valid_i && pass_b_i),
-    .a_i(av_i),
-    .b_i(det_i),
-    .valid_o(),
-    .result_o(g1[2])
-  );
-
-  // TimeH: (a) p and o, (b) au*det.
-  fp_t [2:0] p_h, o_h;
-  ti_delay #(
-    .payload_t(logic [6*W-1:0]),
-    .Cycles   (TimeH)
-  ) u_to_h (
-    .clk_i,
-    .rst_ni,
-    .data_i({
-      o,
-      pass_b_i ? {2{fp_t'('0)}} : {plane_i.pw[W-1:0], plane_i.pv[W-1:0]},
-      pass_b_i ? audet_i : plane_i.pu[W-1:0]
-    }),
-    .data_o({o_h, p_h})
-  );
-
-  logic at_h, b_h;
-  assign at_h = valid_q[TimeH-1];
-  assign b_h  = pass_b_q[TimeH-1];
-
-  fp_t h_u, h_v, h_w, h_n;  // (a) au, av, aw, n; (b) Du, Dv
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_h_u (
-    .clk_i,
-    .rst_ni,
-    .valid_i(at_h),
-    .a_i(b_h ? g1[0] : p_h[0]),
-    .b_i(b_h ? p_h[0] : o_h[0]),
-    .negate_b_i(1'b1),
-    .valid_o(),
-    .result_o(h_u)
-  );
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_h_v (
-    .clk_i,
-    .rst_ni,
-    .valid_i(at_h),
-    .a_i(b_h ? g1[1] : p_h[1]),
-    .b_i(b_h ? g1[2] : o_h[1]),
-    .negate_b_i(1'b1),
-    .valid_o(),
-    .result_o(h_v)
-  );
-  if (Np) begin : gen_no_aw
-    assign h_w = '0;
-  end else begin : gen_aw
-    ti_fp_add #(
-      .ExpBits (E),
-      .FracBits(M)
-    ) u_h_w (
-      .clk_i,
-      .rst_ni,
-      .valid_i(at_h && !b_h),
-      .a_i(p_h[2]),
-      .b_i(o_h[2]),
-      .negate_b_i(1'b1),
-      .valid_o(),
-      .result_o(h_w)
-    );
-  end
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_h_n (
-    .clk_i,
-    .rst_ni,
-    .valid_i(at_h && !b_h),
-    .a_i(g1[0]),
-    .b_i(g1[1]),
-    .negate_b_i(1'b0),
-    .valid_o(),
-    .result_o(h_n)
-  );
-
-  // TimeG2.
-  fp_t g2_k0, g2_k1;  // (a) nu, nv; (b) e1v, e1u
-  ti_delay #(
-    .payload_t(logic [2*W-1:0]),
-    .Cycles   (TimeG2)
-  ) u_to_g2 (
-    .clk_i,
-    .rst_ni,
-    .data_i(pass_b_i ? {bary_i.e1u[W-1:0], bary_i.e1v[W-1:0]} :
-                       {plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
-    .data_o({g2_k1, g2_k0})
-  );
-
-  fp_t g2_0, g2_1, g2_a0, g2_a1;
-  if (Np) begin : gen_from_o
-    fp_t [1:0] o_g2;
-    ti_delay #(
-      .payload_t(logic [2*W-1:0]),
-      .Cycles   (TimeG2 - TimeH)
-    ) u_o_to_g2 (
-      .clk_i,
-      .rst_ni,
-      .data_i(o_h[1:0]),
-      .data_o(o_g2)
-    );
-    assign {g2_a1, g2_a0} = pass_b_q[TimeG2-1] ? {h_v, h_u} : o_g2;
-  end else begin : gen_from_a
-    assign {g2_a1, g2_a0} = {h_v, h_u};
-  end
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_g2_0 (
-    .clk_i,
-    .rst_ni,
-    .valid_i(valid_q[TimeG2-1]),
-    .a_i(g2_k0),
-    .b_i(g2_a0),
-    .valid_o(),
-    .result_o(g2_0)
-  );
-  ti_fp_mul #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_g2_1 (
-    .clk_i,
-    .rst_ni,
-    .valid_i(valid_q[TimeG2-1]),
-    .a_i(g2_k1),
-    .b_i(g2_a1),
-    .valid_o(),
-    .result_o(g2_1)
+    .valid_i ({valid_q[TimeG2-1:0], valid_i}),
+    .pass_b_i({pass_b_q[TimeG2-1:0], pass_b_i}),
+    .axis_i,
+    .o_i,
+    .d_i,
+    .n_i     ({plane_i.nv[W-1:0], plane_i.nu[W-1:0]}),
+    .p_i     ({plane_i.pw[W-1:0], plane_i.pv[W-1:0], plane_i.pu[W-1:0]}),
+    .e1_i    ({bary_i.e1v[W-1:0], bary_i.e1u[W-1:0]}),
+    .det_i,
+    .dett_i,
+    .audet_i,
+    .av_i,
+    .dw_0_o  (dw_0),
+    .ow_h_o  (ow_h),
+    .np_h_o  (np_h),
+    .hu_g2_o (h_u),
+    .hv_g2_o (h_v),
+    .aw_g2_o (h_w),
+    .n_g2_o  (h_n),
+    .g2_0_o  (g2_0),
+    .g2_1_o  (g2_1)
   );
 
   // TimeX1.
@@ -290,7 +131,7 @@ module ti_ist1_pipe #(
   ) u_dw_to_x1 (
     .clk_i,
     .rst_ni,
-    .data_i(d[2]),
+    .data_i(dw_0),
     .data_o(dw_x1)
   );
   ti_fp_add #(
@@ -432,7 +273,7 @@ module ti_ist1_pipe #(
   ) u_aw_to_x3 (
     .clk_i,
     .rst_ni,
-    .data_i(Np ? o_h[2] : h_w),
+    .data_i(Np ? ow_h : h_w),
     .data_o(aw_x3)
   );
   ti_delay #(
@@ -468,7 +309,7 @@ module ti_ist1_pipe #(
     ) u_np_to_x4 (
       .clk_i,
       .rst_ni,
-      .data_i(p_h[2]),
+      .data_i(np_h),
       .data_o(np_x4)
     );
     ti_fp_add #(
@@ -495,6 +336,8 @@ module ti_ist1_pipe #(
     );
     assign x3_end = pass_b_q[TimeEnd-1] ? x3_late : x4;
   end else begin : gen_no_x4
+    logic unused_np;
+    assign unused_np = ^np_h;
     assign x3_end = x3;
   end
 

@@ -133,17 +133,21 @@ def test_area_at_65_nm_is_the_product_of_its_factors(monkeypatch):
     monkeypatch.setattr(
         silicon, "cacti", lambda width, words: (1 if width == 8 else 0.5) if words >= 32 else None
     )
-    row = {"read_ports": 1, "write_ports": 1, "clocked_read": True, "wrapper": True}
+    row = {"read_ports": 1, "write_ports": 1, "clocked_read": True, "wrapper": "ti_ram_1r1w"}
+    file = {**row, "clocked_read": False, "wrapper": "ti_regfile"}
     memories = [
         {**row, "name": "u_lines.mem_q", "words": 64, "bits": 512, "count": 2},
         {**row, "name": "u_state.mem_q", "words": 8, "bits": 70, "count": 1},
-        {**row, "name": "u_fifo.mem_q", "words": 64, "bits": 64, "count": 1, "wrapper": False},
+        {**row, "name": "u_fifo.mem_q", "words": 64, "bits": 64, "count": 1, "wrapper": None},
+        {**file, "name": "u_words.mem_q", "words": 64, "bits": 64, "count": 3},
+        {**file, "name": "u_small.mem_q", "words": 8, "bits": 64, "count": 1},
     ]
     found = silicon.at_65_nm({"gate_equivalents": 1e6}, memories)
     assert found["sram_lines_mm2"] == 16
     assert found["sram_mm2"] == 17.5
     assert found["logic_mm2"] == pytest.approx(1.44 / 0.75)
-    assert found["mm2_65nm"] == pytest.approx(17.5 + 1.44 / 0.75)
+    assert (found["files_mm2"], found["files_kb"]) == (3, 1.5)
+    assert found["mm2_65nm"] == pytest.approx(20.5 + 1.44 / 0.75)
 
 
 def test_the_area_of_a_unit_is_not_counted_with_the_module_around_it_too():

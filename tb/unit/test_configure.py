@@ -220,7 +220,7 @@ def test_an_unknown_name_lists_the_known_ones(tmp_path):
         refused(
             script(name, "--out", out),
             out,
-            "there are fpga, paper, small, tiny, watertight, or give",
+            "there are fpga, kv260, paper, small, tiny, watertight, or give",
         )
 
 

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+
+/// First half of `ti_ist1_pipe`: the products and differences G1, H and G2.
+///
+/// Times, operators and what each gives in which pass are in the table of `ti_ist1_pipe`; an output stands at the time that is
+/// in its name.  `valid_i` and `pass_b_i` have the pass of each cycle of the way, that of time 0 in front.
+module ti_ist1_front #(
+  /// The test as published.
+  parameter bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
+  localparam int unsigned TimeH = ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency
+) (
+  input logic clk_i,
+  input logic rst_ni,
+
+  input logic          [TimeG2:0] valid_i,
+  input logic          [TimeG2:0] pass_b_i,
+  input logic          [     1:0] axis_i,    // w
+  input ti_pkg::vec3_t            o_i,
+  input ti_pkg::vec3_t            d_i,
+  input ti_pkg::fp_t   [     1:0] n_i,       // (a) nu, nv
+  input ti_pkg::vec3_t            p_i,       // (a)
+  input ti_pkg::fp_t   [     1:0] e1_i,      // (b) e1u, e1v; as are the next four
+  input ti_pkg::fp_t              det_i,
+  input ti_pkg::fp_t              dett_i,
+  input ti_pkg::fp_t              audet_i,
+  input ti_pkg::fp_t              av_i,
+
+  output ti_pkg::fp_t dw_0_o,
+  output ti_pkg::fp_t ow_h_o,
+  output ti_pkg::fp_t np_h_o,   // n.p, of the test as published
+  output ti_pkg::fp_t hu_g2_o,  // (a) au; (b) Du
+  output ti_pkg::fp_t hv_g2_o,  // (a) av; (b) Dv
+  output ti_pkg::fp_t aw_g2_o,
+  output ti_pkg::fp_t n_g2_o,
+  output ti_pkg::fp_t g2_0_o,   // (a) nu*au; (b) e1v*Du
+  output ti_pkg::fp_t g2_1_o    // (a) nv*av; (b) e1u*Dv
+);
+
+  typedef ti_pkg::fp_t fp_t;
+  localparam int unsigned W = ti_num_pkg::FpWidth;
+  localparam int unsigned E = ti_num_pkg::ExpBits;
+  localparam int unsigned M = ti_num_pkg::FracBits;
+
+  logic b_0;
+  assign b_0 = pass_b_i[0];
+
+  // Time 0, components in the order u, v, w.
+  ti_pkg::vec3_t o, d;
+  always_comb begin
+    unique case (axis_i)
+      2'd0: begin
+        o = {o_i[0], o_i[2], o_i[1]};
+        d = {d_i[0], d_i[2], d_i[1]};
+      end
+      2'd1: begin
+        o = {o_i[1], o_i[0], o_i[2]};
+        d = {d_i[1], d_i[0], d_i[2]};
+      end
+      default: begin
+        o = {o_i[2], o_i[1], o_i[0]};
+        d = {d_i[2], d_i[1], d_i[0]};
+      end
+    endcase
+  end
+
+  fp_t [2:0] g1;
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g1_0 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i[0]),
+    .a_i(b_0 ? d[0] : n_i[0]),
+    .b_i(b_0 ? dett_i : d[0]),
+    .valid_o(),
+    .result_o(g1[0])
+  );
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g1_1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i[0]),
+    .a_i(b_0 ? d[1] : n_i[1]),
+    .b_i(b_0 ? dett_i : d[1]),
+    .valid_o(),
+    .result_o(g1[1])
+  );
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g1_2 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i[0] && b_0),
+    .a_i(av_i),
+    .b_i(det_i),
+    .valid_o(),
+    .result_o(g1[2])
+  );
+
+  // TimeH: (a) p and o, (b) au*det.
+  fp_t [2:0] p_h, o_h;
+  ti_delay #(
+    .payload_t(logic [6*W-1:0]),
+    .Cycles   (TimeH)
+  ) u_to_h (
+    .clk_i,
+    .rst_ni,
+    .data_i({o, b_0 ? {2{fp_t'('0)}} : p_i[2:1], b_0 ? audet_i : p_i[0]}),
+    .data_o({o_h, p_h})
+  );
+
+  logic at_h, b_h;
+  assign at_h = valid_i[TimeH];
+  assign b_h  = pass_b_i[TimeH];
+
+  fp_t h_u, h_v, h_w, h_n;  // (a) au, av, aw, n; (b) Du, Dv
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_u (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h),
+    .a_i(b_h ? g1[0] : p_h[0]),
+    .b_i(b_h ? p_h[0] : o_h[0]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(h_u)
+  );
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_v (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h),
+    .a_i(b_h ? g1[1] : p_h[1]),
+    .b_i(b_h ? g1[2] : o_h[1]),
+    .negate_b_i(1'b1),
+    .valid_o(),
+    .result_o(h_v)
+  );
+  if (Np) begin : gen_no_aw
+    assign h_w = '0;
+  end else begin : gen_aw
+    ti_fp_add #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_h_w (
+      .clk_i,
+      .rst_ni,
+      .valid_i(at_h && !b_h),
+      .a_i(p_h[2]),
+      .b_i(o_h[2]),
+      .negate_b_i(1'b1),
+      .valid_o(),
+      .result_o(h_w)
+    );
+  end
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_h_n (
+    .clk_i,
+    .rst_ni,
+    .valid_i(at_h && !b_h),
+    .a_i(g1[0]),
+    .b_i(g1[1]),
+    .negate_b_i(1'b0),
+    .valid_o(),
+    .result_o(h_n)
+  );
+
+  // TimeG2.
+  fp_t g2_k0, g2_k1;  // (a) nu, nv; (b) e1v, e1u
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeG2)
+  ) u_to_g2 (
+    .clk_i,
+    .rst_ni,
+    .data_i(b_0 ? {e1_i[0], e1_i[1]} : n_i),
+    .data_o({g2_k1, g2_k0})
+  );
+
+  fp_t g2_0, g2_1, g2_a0, g2_a1;
+  if (Np) begin : gen_from_o
+    fp_t [1:0] o_g2;
+    ti_delay #(
+      .payload_t(logic [2*W-1:0]),
+      .Cycles   (TimeG2 - TimeH)
+    ) u_o_to_g2 (
+      .clk_i,
+      .rst_ni,
+      .data_i(o_h[1:0]),
+      .data_o(o_g2)
+    );
+    assign {g2_a1, g2_a0} = pass_b_i[TimeG2] ? {h_v, h_u} : o_g2;
+  end else begin : gen_from_a
+    assign {g2_a1, g2_a0} = {h_v, h_u};
+  end
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g2_0 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i[TimeG2]),
+    .a_i(g2_k0),
+    .b_i(g2_a0),
+    .valid_o(),
+    .result_o(g2_0)
+  );
+  ti_fp_mul #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_g2_1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i[TimeG2]),
+    .a_i(g2_k1),
+    .b_i(g2_a1),
+    .valid_o(),
+    .result_o(g2_1)
+  );
+
+  assign dw_0_o  = d[2];
+  assign ow_h_o  = o_h[2];
+  assign np_h_o  = p_h[2];
+  assign hu_g2_o = h_u;
+  assign hv_g2_o = h_v;
+  assign aw_g2_o = h_w;
+  assign n_g2_o  = h_n;
+  assign g2_0_o  = g2_0;
+  assign g2_1_o  = g2_1;
+
+endmodule : ti_ist1_front
