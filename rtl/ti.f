@@ -31,6 +31,7 @@ rtl/fp/ti_fp_class.sv
 rtl/mem/ti_l1.sv
 rtl/mem/ti_ra_rows.sv
 rtl/mem/ti_ra_retry.sv
+rtl/mem/ti_ra_fill.sv
 rtl/mem/ti_ra_answers.sv
 rtl/mem/ti_ra.sv
 rtl/mem/ti_l2_bank.sv

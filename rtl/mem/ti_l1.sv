@@ -7,11 +7,12 @@
 ///
 /// A look-up takes 2 cycles, with `Compare` 3.  `lookup_en_i` reads the tags of a set; `Compare` compares them with
 /// `compare_line_i` in the cycle of `compare_en_i`, the next one or later; from the cycle after, `hit_o`, `hit_way_o`
-/// and `victim_*_o` speak of `line_i`, which the caller holds still until it uses them.  `read_en_i` then reads a line,
-/// which stands in `line_o` from the cycle after until the next read.
+/// and `victim_*_o` speak of `line_i`, which the caller holds still until it uses them.  `read_en_i` then reads a word of a line,
+/// which stands in `word_o` from the cycle after until the next read.
 ///
 /// `alloc_i` reserves the victim's place for `line_i`: its old line is forgotten and the place is
-/// pinned.  `fill_i` writes an arrived line into a reserved place; `unpin_i` lets it be a victim again.
+/// pinned.  `write_i` writes a word of an arrived line into a reserved place, `fill_i` says that it is the last one;
+/// `unpin_i` lets the place be a victim again.
 /// Victims: an empty way, else the tree pseudo-LRU way, else the first that is not pinned.
 /// `flush_i` forgets all lines in one cycle; nothing may be pinned or looked up then.
 /// Tags and lines map to block RAM; valid, pinned and LRU bits are registers, as many are read and
@@ -20,12 +21,16 @@ module ti_l1 #(
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
   parameter int unsigned LineBytes = 64,
+  /// What is read and written at once; divides LineBytes into a power of two.
+  parameter int unsigned WordBytes = LineBytes,
   parameter int unsigned LineAddrWidth = 26,
   /// Tags are compared in a cycle of their own; else in the one that uses the result.
   parameter bit Compare = 1'b0,
   localparam int unsigned Sets = CacheBytes / ((Ways > 0) ? Ways * LineBytes : 1),
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1,
-  localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1
+  localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1,
+  localparam int unsigned Words = LineBytes / ((WordBytes > 0) ? WordBytes : 1),
+  localparam int unsigned IndexWidth = (Words > 1) ? $clog2(Words) : 1
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -46,11 +51,13 @@ module ti_l1 #(
   input  logic                     touch_i,         // the hit is used
   input  logic                     alloc_i,         // the victim's place is taken
 
-  input logic                   fill_i,
-  input logic                   fill_good_i,  // 0: the answer was an error, nothing to keep
+  input logic                   write_i,
+  input logic                   fill_i,         // with the last word
+  input logic                   fill_good_i,    // 0: the answer was an error, nothing to keep
   input logic [   SetWidth-1:0] fill_set_i,
   input logic [   WayWidth-1:0] fill_way_i,
-  input logic [8*LineBytes-1:0] fill_data_i,
+  input logic [ IndexWidth-1:0] write_index_i,
+  input logic [8*WordBytes-1:0] write_word_i,
 
   input logic                unpin_i,
   input logic [SetWidth-1:0] unpin_set_i,
@@ -59,7 +66,8 @@ module ti_l1 #(
   input  logic                   read_en_i,
   input  logic [   SetWidth-1:0] read_set_i,
   input  logic [   WayWidth-1:0] read_way_i,
-  output logic [8*LineBytes-1:0] line_o
+  input  logic [ IndexWidth-1:0] read_index_i,
+  output logic [8*WordBytes-1:0] word_o
 );
 
   localparam int unsigned SetBits = $clog2(Sets);
@@ -239,22 +247,26 @@ module ti_l1 #(
     end
   end
 
-  localparam int unsigned PlaceWidth = (Sets * Ways > 1) ? $clog2(Sets * Ways) : 1;
-  logic [PlaceWidth-1:0] read_place, fill_place;
-  assign read_place = PlaceWidth'(read_set_i) * PlaceWidth'(Ways) + PlaceWidth'(read_way_i);
-  assign fill_place = PlaceWidth'(fill_set_i) * PlaceWidth'(Ways) + PlaceWidth'(fill_way_i);
+  localparam int unsigned Places = Sets * Ways * Words;
+  localparam int unsigned PlaceWidth = (Places > 1) ? $clog2(Places) : 1;
+
+  logic [PlaceWidth-1:0] read_place, write_place;
+  assign read_place = (PlaceWidth'(read_set_i) * PlaceWidth'(Ways) + PlaceWidth'(read_way_i)) *
+      PlaceWidth'(Words) + PlaceWidth'(read_index_i);
+  assign write_place = (PlaceWidth'(fill_set_i) * PlaceWidth'(Ways) + PlaceWidth'(fill_way_i)) *
+      PlaceWidth'(Words) + PlaceWidth'(write_index_i);
 
   ti_ram_1r1w #(
-    .Depth ((Sets * Ways > 1) ? Sets * Ways : 2),
-    .word_t(logic [8*LineBytes-1:0])
+    .Depth ((Places > 1) ? Places : 2),
+    .word_t(logic [8*WordBytes-1:0])
   ) u_lines (
     .clk_i,
     .read_en_i,
     .read_addr_i (read_place),
-    .read_data_o (line_o),
-    .write_en_i  (fill_i),
-    .write_addr_i(fill_place),
-    .write_data_i(fill_data_i)
+    .read_data_o (word_o),
+    .write_en_i  (write_i),
+    .write_addr_i(write_place),
+    .write_data_i(write_word_i)
   );
 
   if (Ways < 1 || (Ways & (Ways - 1)) != 0) begin : gen_check_ways
@@ -264,6 +276,9 @@ module ti_l1 #(
       Sets * Ways * LineBytes != CacheBytes) begin : gen_check_cache_bytes
     $error("ti_l1: CacheBytes must be Ways * LineBytes times a power of two");
   end
+  if (Words * WordBytes != LineBytes || (Words & (Words - 1)) != 0) begin : gen_check_word_bytes
+    $error("ti_l1: WordBytes must divide LineBytes into a power of two");
+  end
   if (LineAddrWidth <= SetBits) begin : gen_check_line_addr_width
     $error("ti_l1: LineAddrWidth must be more than the bits of the number of a set");
   end
@@ -271,7 +286,8 @@ module ti_l1 #(
   // Of a look-up that is used: behind one that was, old tags may stand beside new valid bits.
   `TI_ASSERT(HitsOneWay, touch_i |-> $onehot(match))
   `TI_ASSERT(AllocatesWhatMissed, alloc_i |-> match == '0)
-  `TI_ASSERT(FillsReserved, fill_i |-> pinned_q[fill_set_i][fill_way_i])
+  `TI_ASSERT(WritesReserved, write_i |-> pinned_q[fill_set_i][fill_way_i])
+  `TI_ASSERT(FillsWithAWord, fill_i |-> write_i)
   `TI_ASSERT(UnpinsPinned, unpin_i |-> pinned_q[unpin_set_i][unpin_way_i])
   `TI_ASSERT(AllocatesFree, alloc_i |-> victim_valid_o)
   `TI_ASSERT(UsesOneWayAtATime, !(touch_i && alloc_i))

@@ -15,8 +15,8 @@
 /// again, and again; the ray that asks for a line holds its row until it has looked up the line that came.
 ///
 /// Latency `LookupStages` + 1 cycles on a hit, one answer a cycle.  `rsp` stalls the unit as a whole.  The caller has at
-/// most one request in flight for a slot.  `line_rsp` is always accepted; an answer to nothing that was asked
-/// for is dropped.  A line answered with an error is not kept; its rays get `rsp_error_o`, their element is
+/// most one request in flight for a slot.  `line_rsp` is accepted without condition, each in the cycles that the L1 takes to
+/// store it (`FillBytes`); an answer to nothing that was asked for is dropped.  A line answered with an error is not kept; its rays get `rsp_error_o`, their element is
 /// undefined.  `flush_i` forgets all lines and is up only while `idle_o` is and no request comes.
 module ti_ra #(
   /// Requesters; each has at most one request in flight.
@@ -30,7 +30,11 @@ module ti_ra #(
   parameter ti_config_pkg::ray_accumulation_e Mode = ti_config_pkg::RayAccumulationGather,
   /// 1 to 4: from 2 on tags and rows are compared in a step of their own; 3 and 4 are of `ti_ra_answers`.
   parameter int unsigned LookupStages = ti_config_pkg::LookupStages,
+  /// Bytes that the L1 stores in a cycle, at least ElemBytes, at most a line: 8 or more.
+  parameter int unsigned FillBytes = ti_config_pkg::FillBytes,
   localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
+  localparam int unsigned LessBytes = (FillBytes < LineBytes) ? FillBytes : LineBytes,
+  localparam int unsigned WordBytes = (LessBytes > ElemBytes) ? LessBytes : ElemBytes,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
 ) (
   input  logic clk_i,
@@ -65,6 +69,10 @@ module ti_ra #(
   localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1;
   localparam int unsigned Elems = LineBytes / ElemBytes;
   localparam int unsigned ElemWidth = (Elems > 1) ? $clog2(Elems) : 1;
+  localparam int unsigned Words = LineBytes / WordBytes;
+  localparam int unsigned IndexWidth = (Words > 1) ? $clog2(Words) : 1;
+  localparam int unsigned PartBits = $clog2(WordBytes / ElemBytes);  // of an element in its word
+  localparam int unsigned PartWidth = (PartBits > 0) ? PartBits : 1;
   localparam int unsigned Sets = CacheBytes / ((Ways > 0) ? Ways * LineBytes : 1);
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1;
   localparam int unsigned WayWidth = (Ways > 1) ? $clog2(Ways) : 1;
@@ -93,27 +101,28 @@ module ti_ra #(
   lookup_t look, compare, s1;
   logic look_valid, look_ready, look_go, compare_valid, s1_ready, s1_valid, s1_done;
 
-  // Step 2: the line has been read.
+  // Step 2: the word has been read.
   logic s2_valid_q, s2_error_q, s2_taken, s2_free;
   slot_t s2_slot_q;
-  elem_t s2_elem_q;
+  logic [PartWidth-1:0] s2_part_q;
 
-  logic  answers_idle;
+  logic answers_idle;
 
   // Decisions of this cycle.
   logic hit, victim_valid, merge, row_free, use_hit, use_merge, use_miss, may_ask, line_queue_ready;
   logic [WayWidth-1:0] hit_way, victim_way;
   row_t free_row;
 
-  // An answer that counts, and the ray that a filled row hands out.
-  logic fill, drain, drain_last, drain_error;
+  // An answer that is awaited, its words, and the ray that a filled row hands out.
+  logic awaited, store, fill, drain, drain_last, drain_error;
+  logic [ IndexWidth-1:0] store_index;
+  logic [8*WordBytes-1:0] store_word;
   row_t fill_row, drain_row;
   place_t fill_place, row_place, drain_place;
   slot_t drain_slot;
   elem_t drain_elem;
   logic [Rows-1:0] mine;
   logic rows_empty;
-  assign line_rsp_ready_o = 1'b1;
 
   // Who is looked up: a request or, in `Retry`, a ray that looks again.
   logic retries;
@@ -184,10 +193,10 @@ module ti_ra #(
     .form_i        (use_miss),
     .way_i         (victim_way),
     .mine_o        (mine),
-    .fill_valid_i  (line_rsp_valid_i),
+    .fill_i        (fill),
     .fill_id_i     (line_rsp_data_i.id),
     .fill_error_i  (line_rsp_data_i.error),
-    .fill_o        (fill),
+    .awaited_o     (awaited),
     .fill_row_o    (fill_row),
     .fill_set_o    (fill_place.set),
     .fill_way_o    (fill_place.way),
@@ -281,12 +290,31 @@ module ti_ra #(
 
   assign idle_o = !compared && !s1_valid && !s2_valid_q && answers_idle && rows_empty && !retries;
 
-  logic [8*LineBytes-1:0] read_line;
+  ti_ra_fill #(
+    .LineBytes(LineBytes),
+    .WordBytes(WordBytes)
+  ) u_fill (
+    .clk_i,
+    .rst_ni,
+    .line_valid_i(line_rsp_valid_i),
+    .line_ready_o(line_rsp_ready_o),
+    .line_i      (line_rsp_data_i.data),
+    .awaited_i   (awaited),
+    .write_o     (store),
+    .index_o     (store_index),
+    .word_o      (store_word),
+    .fill_o      (fill)
+  );
+
+  logic [8*WordBytes-1:0] read_word;
+  elem_t read_elem;
+  assign read_elem = filled ? drain_elem : s1.elem;
 
   ti_l1 #(
     .CacheBytes   (CacheBytes),
     .Ways         (Ways),
     .LineBytes    (LineBytes),
+    .WordBytes    (WordBytes),
     .LineAddrWidth(LineAddrWidth),
     .Compare      (Compare)
   ) u_l1 (
@@ -304,18 +332,21 @@ module ti_ra #(
     .victim_way_o  (victim_way),
     .touch_i       (use_hit),
     .alloc_i       (use_miss),
+    .write_i       (store),
     .fill_i        (fill),
     .fill_good_i   (!line_rsp_data_i.error),
     .fill_set_i    (fill_place.set),
     .fill_way_i    (fill_place.way),
-    .fill_data_i   (line_rsp_data_i.data),
+    .write_index_i (store_index),
+    .write_word_i  (store_word),
     .unpin_i       (drain_last),
     .unpin_set_i   (drain_place.set),
     .unpin_way_i   (drain_place.way),
     .read_en_i     (s2_free && (filled || s1_valid)),
     .read_set_i    (filled ? drain_place.set : ((Sets > 1) ? s1.line[SetWidth-1:0] : '0)),
     .read_way_i    (filled ? drain_place.way : hit_way),
-    .line_o        (read_line)
+    .read_index_i  ((Words > 1) ? IndexWidth'(read_elem >> PartBits) : '0),
+    .word_o        (read_word)
   );
 
   always_ff @(`TI_CLK_RST) begin
@@ -326,14 +357,14 @@ module ti_ra #(
   always_ff @(posedge clk_i) begin
     if (s2_free) begin
       s2_slot_q  <= filled ? drain_slot : s1.slot;
-      s2_elem_q  <= filled ? drain_elem : s1.elem;
+      s2_part_q  <= (PartBits > 0) ? PartWidth'(read_elem) : '0;
       s2_error_q <= filled && drain_error;
     end
   end
 
   ti_ra_answers #(
     .SlotWidth   (SlotWidth),
-    .LineBytes   (LineBytes),
+    .WordBytes   (WordBytes),
     .ElemBytes   (ElemBytes),
     .LookupStages(LookupStages)
   ) u_answers (
@@ -344,8 +375,8 @@ module ti_ra #(
     .read_ready_o(s2_taken),
     .read_slot_i (s2_slot_q),
     .read_error_i(s2_error_q),
-    .read_elem_i (s2_elem_q),
-    .read_line_i (read_line),
+    .read_part_i (s2_part_q),
+    .read_word_i (read_word),
     .rsp_valid_o,
     .rsp_ready_i,
     .rsp_slot_o,

@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// Answers of a `ti_ra`: the element of a line that has been read, on its way out.
+/// Answers of a `ti_ra`: the element of a word that has been read, on its way out.
 ///
-/// Latency 0, the line as the line store gives it.  With `LookupStages` 3 answers wait in a queue of two, where the path
-/// from `rsp_ready_i` ends; with 4 the line is registered first, as a block RAM gives it late, before the element is
-/// chosen.  One a cycle, in order.
+/// Latency 0, the word as the L1 gives it.  With `LookupStages` 3 answers wait in a queue of two, where the path from
+/// `rsp_ready_i` ends; with 4 the word is registered first, as a block RAM gives it late, before the element is chosen.
+/// One a cycle, in order.
 module ti_ra_answers #(
   parameter int unsigned SlotWidth = 3,
-  parameter int unsigned LineBytes = 64,
-  /// Bytes of an element, LineBytes or a part of it.
+  parameter int unsigned WordBytes = 64,
+  /// Bytes of an element, WordBytes or a part of it.
   parameter int unsigned ElemBytes = 8,
   parameter int unsigned LookupStages = 1,
-  localparam int unsigned Elems = LineBytes / ((ElemBytes > 0) ? ElemBytes : 1),
-  localparam int unsigned ElemWidth = (Elems > 1) ? $clog2(Elems) : 1
+  localparam int unsigned Parts = WordBytes / ((ElemBytes > 0) ? ElemBytes : 1),
+  localparam int unsigned PartWidth = (Parts > 1) ? $clog2(Parts) : 1
 ) (
   input  logic clk_i,
   input  logic rst_ni,
   output logic idle_o,  // no answer inside
 
-  // A line that has been read.
+  // A word that has been read, and which element of it.
   input  logic                   read_valid_i,
   output logic                   read_ready_o,
   input  logic [  SlotWidth-1:0] read_slot_i,
   input  logic                   read_error_i,
-  input  logic [  ElemWidth-1:0] read_elem_i,
-  input  logic [8*LineBytes-1:0] read_line_i,
+  input  logic [  PartWidth-1:0] read_part_i,
+  input  logic [8*WordBytes-1:0] read_word_i,
 
   output logic                   rsp_valid_o,
   input  logic                   rsp_ready_i,
@@ -36,9 +36,9 @@ module ti_ra_answers #(
   typedef struct packed {
     logic [SlotWidth-1:0]   slot;
     logic                   error;
-    logic [ElemWidth-1:0]   elem;
-    logic [8*LineBytes-1:0] line;
-  } line_t;
+    logic [PartWidth-1:0]   part;
+    logic [8*WordBytes-1:0] word;
+  } read_t;
 
   typedef struct packed {
     logic [SlotWidth-1:0]   slot;
@@ -46,41 +46,41 @@ module ti_ra_answers #(
     logic [8*ElemBytes-1:0] elem;
   } answer_t;
 
-  line_t read, line;
+  read_t in, read;
   answer_t answer;
-  logic line_valid, line_ready;
-  assign read = '{slot: read_slot_i, error: read_error_i, elem: read_elem_i, line: read_line_i};
+  logic read_valid, read_ready;
+  assign in = '{slot: read_slot_i, error: read_error_i, part: read_part_i, word: read_word_i};
 
-  if (LookupStages < 4) begin : gen_no_line
-    assign line_valid   = read_valid_i;
-    assign read_ready_o = line_ready;
-    assign line         = read;
-  end else begin : gen_line
+  if (LookupStages < 4) begin : gen_at_once
+    assign read_valid   = read_valid_i;
+    assign read_ready_o = read_ready;
+    assign read         = in;
+  end else begin : gen_word
     ti_stage #(
-      .payload_t(line_t)
-    ) u_line (
+      .payload_t(read_t)
+    ) u_word (
       .clk_i,
       .rst_ni,
       .in_valid_i (read_valid_i),
       .in_ready_o (read_ready_o),
-      .in_data_i  (read),
-      .out_valid_o(line_valid),
-      .out_ready_i(line_ready),
-      .out_data_o (line)
+      .in_data_i  (in),
+      .out_valid_o(read_valid),
+      .out_ready_i(read_ready),
+      .out_data_o (read)
     );
   end
 
   always_comb begin
-    answer.slot  = line.slot;
-    answer.error = line.error;
-    answer.elem  = line.line[(32'(line.elem)*ElemBytes*8)+:ElemBytes*8];
+    answer.slot  = read.slot;
+    answer.error = read.error;
+    answer.elem  = read.word[(32'(read.part)*ElemBytes*8)+:ElemBytes*8];
   end
 
   if (LookupStages < 3) begin : gen_no_queue
     logic unused;
     assign unused                                = clk_i & rst_ni;
-    assign rsp_valid_o                           = line_valid;
-    assign line_ready                            = rsp_ready_i;
+    assign rsp_valid_o                           = read_valid;
+    assign read_ready                            = rsp_ready_i;
     assign {rsp_slot_o, rsp_error_o, rsp_elem_o} = answer;
   end else begin : gen_queue
     ti_fifo #(
@@ -89,15 +89,15 @@ module ti_ra_answers #(
     ) u_answers (
       .clk_i,
       .rst_ni,
-      .in_valid_i (line_valid),
-      .in_ready_o (line_ready),
+      .in_valid_i (read_valid),
+      .in_ready_o (read_ready),
       .in_data_i  (answer),
       .out_valid_o(rsp_valid_o),
       .out_ready_i(rsp_ready_i),
       .out_data_o ({rsp_slot_o, rsp_error_o, rsp_elem_o})
     );
   end
-  assign idle_o = !line_valid && !rsp_valid_o;
+  assign idle_o = !read_valid && !rsp_valid_o;
 
   if (SlotWidth < 1) begin : gen_check_slot_width
     $error("ti_ra_answers: SlotWidth must be 1 or more");
@@ -105,8 +105,8 @@ module ti_ra_answers #(
   if (LookupStages < 1 || LookupStages > 4) begin : gen_check_lookup_stages
     $error("ti_ra_answers: LookupStages must be 1 to 4");
   end
-  if (Elems * ElemBytes != LineBytes || (Elems & (Elems - 1)) != 0) begin : gen_check_elem_bytes
-    $error("ti_ra_answers: ElemBytes must divide LineBytes into a power of two");
+  if (Parts * ElemBytes != WordBytes || (Parts & (Parts - 1)) != 0) begin : gen_check_elem_bytes
+    $error("ti_ra_answers: ElemBytes must divide WordBytes into a power of two");
   end
 
 endmodule : ti_ra_answers

@@ -8,9 +8,9 @@
 /// A row is a list of slots, linked by one pointer a slot.  It is free, waits for its line, or is filled and hands
 /// out.  The look-up that is decided (`valid_i`, `slot_i`, `line_i`, `elem_i`) joins the row of its line (`join_i`, while
 /// `same_o`) or forms one (`form_i`, while `free_o`).  `drain_i` takes the first ray out of the filled row
-/// `drain_row_i`; with its last the row is free.  An answer counts where a row waits for it, in the cycle in which it comes.
-/// All outputs follow from registers, the row that is named and the answer's id, none from `join_i`, `form_i` or the
-/// answer's data.
+/// `drain_row_i`; with its last the row is free.  `awaited_o` says whether a row waits for the answer of an id, and `fill_i` that
+/// all of it has come.  All outputs follow from registers, the row that is named and the answer's id, none from `join_i`,
+/// `form_i` or the answer's data.
 module ti_ra_rows #(
   /// Rays, each in at most one row.
   parameter int unsigned NumSlots = 8,
@@ -46,10 +46,10 @@ module ti_ra_rows #(
   output logic                   [     Rows-1:0] mine_o,      // filled rows whose first ray this is
 
   // An answer of memory.
-  input  logic                               fill_valid_i,
+  input  logic                               fill_i,
   input  ti_mem_pkg::row_id_t                fill_id_i,
   input  logic                               fill_error_i,
-  output logic                               fill_o,        // it counts
+  output logic                               awaited_o,
   output logic                [RowWidth-1:0] fill_row_o,
   output logic                [SetWidth-1:0] fill_set_o,
   output logic                [WayWidth-1:0] fill_way_o,
@@ -134,10 +134,10 @@ module ti_ra_rows #(
   logic row_exists;
   assign row_exists = 32'(fill_id_i) < Rows;
   assign fill_row_o = fill_id_i[RowWidth-1:0];
-  assign fill_o     = fill_valid_i && row_exists && waits_q[fill_row_o];
+  assign awaited_o  = row_exists && waits_q[fill_row_o];
   assign fill_set_o = set[fill_row_o];
   assign fill_way_o = way_q[fill_row_o];
-  always_ff @(posedge clk_i) if (fill_o) error_q[fill_row_o] <= fill_error_i;
+  always_ff @(posedge clk_i) if (fill_i) error_q[fill_row_o] <= fill_error_i;
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
@@ -148,7 +148,7 @@ module ti_ra_rows #(
         busy_q[free_row_o]  <= 1'b1;
         waits_q[free_row_o] <= 1'b1;
       end
-      if (fill_o) waits_q[fill_row_o] <= 1'b0;
+      if (fill_i) waits_q[fill_row_o] <= 1'b0;
       if (drain_last_o) busy_q[drain_row_i] <= 1'b0;
     end
   end
@@ -192,7 +192,7 @@ module ti_ra_rows #(
   `TI_ASSERT(JoinsTheRowOfItsLine, join_i |-> valid_i && same_o)
   `TI_ASSERT(FormsAFreeRow, form_i |-> valid_i && free_o && !join_i)
   `TI_ASSERT(DrainsAFilledRow, drain_i |-> busy_q[drain_row_i] && !waits_q[drain_row_i])
-  `TI_COVER(StrayAnswer, fill_valid_i && !fill_o)
-  `TI_COVER(JoinsARowAsItFills, join_i && fill_o && match[fill_row_o])
+  `TI_ASSERT(FillsARowThatWaits, fill_i |-> awaited_o)
+  `TI_COVER(JoinsARowAsItFills, join_i && fill_i && match[fill_row_o])
 
 endmodule : ti_ra_rows

@@ -26,7 +26,9 @@ class Bench:
         lanes = Lanes(dut)
         self.streams = [lanes[stream] for stream in range(configuration()["streams"])]
         self.dut.count_run_i.value = 1
-        self.memories = [AxiMemory(dut, rng, c, **memory) for c in range(configuration()["cores"])]
+        keys = configuration()
+        memory = {"stalls": keys["fill_bytes"] < keys["line_bytes"], **memory}
+        self.memories = [AxiMemory(dut, rng, c, **memory) for c in range(keys["cores"])]
         self._next_base = BASE
         self._ids = set()
 

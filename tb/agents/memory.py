@@ -25,7 +25,7 @@ class LineMemory:
     answer waits for `release(line)`.  `error(line)` says whether an answer is an error,
     `data(line)` gives the bytes of a good one as an integer.  `ready()` is the ready bit of each
     cycle.  `asked` has every line in the order of the requests, `answered` (cycle, line, error) of
-    every answer, when it is first shown; it stays until it is taken.  `stray(identity)` answers
+    every answer, when it is taken; until then it stays at the port.  `stray(identity)` answers
     what nobody may have asked for; `repeat()` says of each answer whether one of random bytes
     follows it in the next cycle, under its identity.  A request that waits must stay as it is.
     """
@@ -47,7 +47,8 @@ class LineMemory:
         self.data = lambda line: line_data(line, line_bytes)
         self._waiting = []  # [cycle when due or None, identity, line]
         self._strays = []  # identities
-        self._shown = None  # the answer at the port
+        self._shown = None  # the identity of the answer at the port
+        self._answers = None  # (line, error), where it was asked for
         self._stalled = None  # the request that was not taken
         self.latency = lambda line: 3
         self.error = lambda line: False
@@ -93,7 +94,9 @@ class LineMemory:
             self._ask_ready.value = int(self.ready())
             await ReadOnly()
             if self._answer_ready.value == 1:
-                self._shown = None
+                if self._shown is not None and self._answers is not None:
+                    self.answered.append((cycle(), *self._answers))
+                self._shown = self._answers = None
             self._ask()
             await RisingEdge(self._clk)
 
@@ -111,7 +114,7 @@ class LineMemory:
             _, identity, line = entry
             error = bool(self.error(line))
             self._show(identity, error, self._noise() if error else self.data(line))
-            self.answered.append((cycle(), line, error))
+            self._answers = line, error
             self._again = identity if self.repeat() else None
         elif self._strays:
             self._show(self._strays.pop(0), self._rng.random() < 0.5, self._noise())

@@ -11,6 +11,8 @@ GATHER, RETRY, BLOCKING = range(3)  # of ti_config_pkg::ray_accumulation_e
 MODE = parameter("Mode", GATHER)
 SLOTS, ROWS, WAYS = (parameter(name, 1) for name in ("NumSlots", "Rows", "Ways"))
 STAGES = parameter("LookupStages", 1)
+# Cycles in which a line is stored.
+WORDS = parameter("LineBytes", 1) // parameter("WordBytes", 1)
 QUEUED = {3: 2, 4: 3}.get(STAGES, 0)  # answers between the line store and the port
 ROW_IDS = 1 << payloads().width("row_id_t") if hasattr(cocotb, "top") else 1
 PLACES = parameter("CacheBytes", 1) // parameter("LineBytes", 1)

@@ -67,6 +67,8 @@ def test_a_folder_of_many_overrides_has_a_short_name_of_its_own():
         ("stack_depth=65", "0 to 64"),
         ("lookup_stages=0", "1 to 4"),
         ("lookup_stages=5", "1 to 4"),
+        ("fill_bytes=4", "power of two from 8 to 128"),
+        ("fill_bytes=24", "power of two from 8 to 128"),
         ("line_bytes=16", "power of two from 32 to 128"),
         ("line_bytes=96", "power of two from 32 to 128"),
         ("trv_l1_ways=0", "1 to 16"),

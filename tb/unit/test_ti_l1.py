@@ -8,9 +8,17 @@ from cocotb.triggers import ReadOnly, RisingEdge
 from models.cache import Cache
 from models.payload import parameter
 
-# CacheBytes, Ways, LineBytes: many sets and one, a single line, and every depth of the tree.
-SHAPES = [(256, 1, 64), (16, 1, 16), (256, 2, 32), (128, 4, 16), (128, 8, 16)]
-PULSES = ("touch_i", "alloc_i", "fill_i", "unpin_i", "flush_i")
+# CacheBytes, Ways, LineBytes, WordBytes: many sets and one, a single line, every depth of the tree.
+SHAPES = [
+    (256, 1, 64, 64),
+    (256, 1, 64, 8),
+    (16, 1, 16, 16),
+    (256, 2, 32, 8),
+    (256, 2, 32, 32),
+    (128, 4, 16, 8),
+    (128, 8, 16, 16),
+]
+PULSES = ("touch_i", "alloc_i", "write_i", "fill_i", "unpin_i", "flush_i")
 COMPARE = parameter("Compare", 0) == 1
 
 
@@ -20,7 +28,8 @@ class L1:
     def __init__(self, dut):
         self._dut = dut
         self.ways = int(dut.Ways.value)
-        self._line_bytes = int(dut.LineBytes.value)
+        self._line_bytes, self._word_bytes = int(dut.LineBytes.value), int(dut.WordBytes.value)
+        self.words = self._line_bytes // self._word_bytes
         self.sets = int(dut.CacheBytes.value) // (self.ways * self._line_bytes)
         self._cache = Cache(self.sets, self.ways)
         self._data = {}
@@ -59,10 +68,11 @@ class L1:
 
     async def use(self, line, way):
         """The hit of the look-up that stands is used: the line is read and touched."""
-        s = self._cache.set_of(line)
-        await self._step(touch_i=1, compare_en_i=1, read_en_i=1, read_set_i=s, read_way_i=way)
+        place = self._cache.set_of(line), way
+        await self._read(place, 0, touch_i=1, compare_en_i=1)
         self._cache.touch(line)
-        await self._check_data((s, way))
+        for index in range(1, self.words):
+            await self._read(place, index)
 
     async def use_and_see(self, line, way, then):
         """The hit of the look-up that stands is used as `then` is looked up."""
@@ -97,8 +107,12 @@ class L1:
 
     async def fill(self, place, line, data, good=True, then=None):
         """The line has come; with `then`, as that is compared, its tags having been read."""
-        ports = {"fill_set_i": place[0], "fill_way_i": place[1], "fill_data_i": data}
-        ports |= {"fill_i": 1, "fill_good_i": int(good)}
+        ports = {"fill_set_i": place[0], "fill_way_i": place[1]}
+        for index in range(self.words):
+            ports |= {"write_index_i": index, "write_word_i": self._word(data, index)}
+            if index < self.words - 1:
+                await self._step(**ports, write_i=1)
+        ports |= {"write_i": 1, "fill_i": 1, "fill_good_i": int(good)}
         if then is None:
             await self._step(**ports)
         else:
@@ -108,8 +122,8 @@ class L1:
 
     async def drain(self, place):
         """Read a pinned place, as one that hands out does."""
-        await self._step(read_en_i=1, read_set_i=place[0], read_way_i=place[1])
-        await self._check_data(place)
+        for index in range(self.words):
+            await self._read(place, index)
 
     async def unpin(self, place):
         await self._step(unpin_i=1, unpin_set_i=place[0], unpin_way_i=place[1])
@@ -120,11 +134,18 @@ class L1:
         await self._step(flush_i=1)
         self._cache.flush()
 
-    async def _check_data(self, place):
+    async def _read(self, place, index, **ports):
+        """Read a word and check it."""
+        ports |= {"read_set_i": place[0], "read_way_i": place[1], "read_index_i": index}
+        await self._step(read_en_i=1, **ports)
+        want = self._word(self._data[place], index)
         for _ in range(2):  # and it stays
             await ReadOnly()
-            assert self._dut.line_o.value == self._data[place], f"place {place}"
+            assert self._dut.word_o.value == want, f"place {place}, word {index}"
             await RisingEdge(self._dut.clk_i)
+
+    def _word(self, data, index):
+        return data >> 8 * self._word_bytes * index & ((1 << 8 * self._word_bytes) - 1)
 
     async def bring(self, line, data):
         """Miss, fill and unpin `line`."""
@@ -303,7 +324,7 @@ async def sees_a_set_as_a_fill_or_a_hit_in_the_same_cycle_leaves_it(dut):
 
 
 @pytest.mark.parametrize("compare", [0, 1])
-@pytest.mark.parametrize(("cache_bytes", "ways", "line_bytes"), SHAPES)
-def test_ti_l1(cache_bytes, ways, line_bytes, compare):
-    params = {"CacheBytes": cache_bytes, "Ways": ways, "LineBytes": line_bytes, "Compare": compare}
-    run("ti_l1", "test_ti_l1", params=params)
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: "-".join(map(str, shape)))
+def test_ti_l1(shape, compare):
+    names = ("CacheBytes", "Ways", "LineBytes", "WordBytes")
+    run("ti_l1", "test_ti_l1", params=dict(zip(names, shape, strict=True)), Compare=compare)

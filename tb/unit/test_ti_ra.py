@@ -55,6 +55,20 @@ SHAPES = {
     ),
     "queue, retry": (32, 8, 4, 8, 2048, RETRY, "trv_rows=8 lookup_stages=3"),
     "line, retry, one row": (5, 1, 1, 4, 128, RETRY, "lookup_stages=4"),
+    "narrow": (16, 4, 4, 8, 2048, GATHER, "trv_rows=4 fill_bytes=8"),
+    "narrow, one line": (32, 8, 1, 4, 64, GATHER, "trv_rows=8 fill_bytes=16"),
+    "narrow, odd": (
+        5,
+        3,
+        2,
+        4,
+        1024,
+        GATHER,
+        "line_bytes=128 trv_rows=5 fill_bytes=8 lookup_stages=4",
+    ),
+    "narrow, halves": (16, 8, 4, 32, 256, GATHER, "trv_rows=8 fill_bytes=8 lookup_stages=3"),
+    "narrow, blocking": (16, 2, 2, 8, 1024, BLOCKING, "fill_bytes=8 lookup_stages=2"),
+    "narrow, retry": (32, 8, 4, 8, 2048, RETRY, "trv_rows=8 fill_bytes=32"),
 }
 
 
@@ -205,6 +219,7 @@ async def forgets_everything_on_reset(dut):
         task.cancel()
     dut.rst_ni.value = 0
     dut.req_valid_i.value = 0
+    dut.line_rsp_valid_i.value = 0
     await ClockCycles(dut.clk_i, 2)
     dut.rst_ni.value = 1
     await RisingEdge(dut.clk_i)

@@ -16,6 +16,7 @@ from agents.ra_bench import (
     SLOTS,
     STAGES,
     WAYS,
+    WORDS,
     begin,
 )
 from cocotb.triggers import ClockCycles
@@ -37,7 +38,7 @@ async def hands_out_a_row_one_ray_a_cycle(dut):
     assert sorted(t.done for t in tickets) == [first + i for i in range(slots.num_slots)]
 
 
-@only_if(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and SLOTS >= 4)
+@only_if(MODE == GATHER and ROWS >= 2 and PLACES >= 2 and max(4, 2 * WORDS) <= SLOTS)
 async def hands_out_two_rows_without_a_gap(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
@@ -45,7 +46,7 @@ async def hands_out_two_rows_without_a_gap(dut):
     await slots.decided(tickets)
     await ClockCycles(dut.clk_i, 3)
     memory.release(7, after=1)
-    memory.release(6, after=2)
+    memory.release(6, after=1 + WORDS)
     await slots.done(tickets)
 
     assert consecutive([t.done for t in tickets])
@@ -71,7 +72,7 @@ async def a_ray_may_join_a_row_up_to_the_cycle_in_which_it_fills(dut):
     _, memory, slots = await begin(dut)
     memory.hold()
     met = {}
-    for wait in range(8):
+    for wait in range(7 + WORDS):
         line = 20 + wait
         first = slots.ask([slots.any_addr(line)])
         await slots.until(lambda line=line: memory.held() == [line])

@@ -20,7 +20,7 @@ async def drops_answers_under_ids_that_no_row_has(dut):
         for _ in range(100):
             memory.stray(rng.choice(unknown))
         await slots.done(slots.ask(pattern(name, slots, rng, 200)))
-    await slots.until(lambda: not memory.strays_left())
+    await slots.until(lambda: not memory.strays_left(), patience=5000 * slots.words)
     slots.finish()
 
 
@@ -30,7 +30,7 @@ async def drops_answers_to_rows_that_are_free(dut):
     await slots.bring(1, 2)
     for row in range(slots.rows):  # to an idle unit
         memory.stray(row)
-    await ClockCycles(dut.clk_i, slots.rows + 4)
+    await ClockCycles(dut.clk_i, slots.rows * slots.words + 4)
     again = slots.ask([slots.any_addr(line) for line in (1, 2)])
     await slots.done(again)
 
@@ -42,7 +42,7 @@ async def drops_answers_to_rows_that_are_free(dut):
         taken = {memory.identity_of(held) for held in memory.held()}
         for row in set(range(slots.rows)) - taken:
             memory.stray(row)
-        await ClockCycles(dut.clk_i, slots.rows + 4)
+        await ClockCycles(dut.clk_i, slots.rows * slots.words + 4)
         assert not memory.strays_left()
         assert sum(t.done is not None for t in tickets) == ticket
         memory.release(line)
@@ -60,10 +60,10 @@ async def drops_a_second_answer_to_a_row_that_hands_out(dut):
     row = memory.identity_of(7)
     slots.ready = lambda: False
     memory.release(7)
-    await ClockCycles(dut.clk_i, 5)  # a ray stands at the port, the others in the row
+    await ClockCycles(dut.clk_i, slots.words + 4)  # a ray stands at the port, the others in the row
     for _ in range(3):
         memory.stray(row)
-    await ClockCycles(dut.clk_i, 10)
+    await ClockCycles(dut.clk_i, 3 * slots.words + 7)
     assert not memory.strays_left()
     slots.ready = lambda: True
     await slots.done(tickets)
