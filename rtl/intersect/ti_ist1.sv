@@ -19,7 +19,8 @@ module ti_ist1 #(
   parameter int unsigned Spill = 8,
   /// A test ends with the pass that it fails.
   parameter bit EarlyExit = 1'b1,
-  localparam int unsigned OperandLatency = 1,  // slot memories
+  // Slot memories, registered once more where lines are.
+  localparam int unsigned OperandLatency = (ti_config_pkg::LookupStages >= 4) ? 2 : 1,
   localparam bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
   localparam int unsigned PipeLatency = (Np ? 5 : 4) * ti_fp_pkg::AddLatency +
       3 * ti_fp_pkg::MulLatency + ti_fp_pkg::CmpLatency + 1,
@@ -88,6 +89,14 @@ module ti_ist1 #(
     slot_t             slot;
     ti_mem_pkg::addr_t addr;
   } request_t;
+
+  /// What the RA has answered.
+  typedef struct packed {
+    slot_t                  slot;
+    logic                   pass_b;
+    logic                   odd;
+    logic [8*ElemBytes-1:0] elem;
+  } issue_t;
 
   // Slots.
   logic slot_free, take, give;
@@ -230,29 +239,33 @@ module ti_ist1 #(
   );
 
   // Operands.
-  logic issue_q, issue_error_q, issue_b_q, issue_odd_q;
-  slot_t issue_slot_q;
-  logic [8*ElemBytes-1:0] issue_elem_q;
-  operands_t operands;
-  between_t between, between_new;
+  logic [OperandLatency-1:0] good_q, bad_q;
+  issue_t fetched_q, issue;
+  operands_t operands_read, operands;
+  between_t between_read, between, between_new;
   ti_intersect_pkg::plane_t plane;
   ti_intersect_pkg::bary_t  bary;
+  logic issues, fails;
+  assign issues = good_q[OperandLatency-1];
+  assign fails  = bad_q[OperandLatency-1];
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
-      issue_q       <= 1'b0;
-      issue_error_q <= 1'b0;
+      good_q <= '0;
+      bad_q  <= '0;
     end else begin
-      issue_q       <= rsp_valid && !rsp_error;
-      issue_error_q <= rsp_valid && rsp_error;
+      good_q <= OperandLatency'({good_q, rsp_valid && !rsp_error});
+      bad_q  <= OperandLatency'({bad_q, rsp_valid && rsp_error});
     end
   end
   always_ff @(posedge clk_i) begin
     if (rsp_valid) begin
-      issue_slot_q <= rsp_slot;
-      issue_elem_q <= rsp_elem;
-      issue_b_q    <= pass_b_q[rsp_slot];
-      issue_odd_q  <= odd_q[rsp_slot];
+      fetched_q <= '{
+          slot: rsp_slot,
+          pass_b: pass_b_q[rsp_slot],
+          odd: odd_q[rsp_slot],
+          elem: rsp_elem
+      };
     end
   end
 
@@ -263,7 +276,7 @@ module ti_ist1 #(
     .clk_i,
     .read_en_i   (rsp_valid),
     .read_addr_i (rsp_slot),
-    .read_data_o (operands),
+    .read_data_o (operands_read),
     .write_en_i  (take),
     .write_addr_i(new_slot),
     .write_data_i(
@@ -278,23 +291,33 @@ module ti_ist1 #(
     .clk_i,
     .read_en_i   (rsp_valid),
     .read_addr_i (rsp_slot),
-    .read_data_o (between),
+    .read_data_o (between_read),
     .write_en_i  (go_on),
     .write_addr_i(result_tag.slot),
     .write_data_i(between_new)
   );
 
-  assign plane = issue_elem_q;
-  assign bary  = issue_odd_q ? issue_elem_q[255:128] : issue_elem_q[127:0];
+  ti_delay #(
+    .payload_t(logic [$bits(issue_t)+$bits(operands_t)+$bits(between_t)-1:0]),
+    .Cycles   (OperandLatency - 1)
+  ) u_issue (
+    .clk_i,
+    .rst_ni,
+    .data_i({fetched_q, operands_read, between_read}),
+    .data_o({issue, operands, between})
+  );
+
+  assign plane = issue.elem;
+  assign bary  = issue.odd ? issue.elem[255:128] : issue.elem[127:0];
 
   // The two passes.
   tag_t issue_tag;
 
   assign issue_tag = '{
-          slot: issue_slot_q,
-          miss: issue_b_q && between.miss,
-          axis: issue_b_q ? between.axis : plane.axis[1:0],
-          prim: issue_b_q ? between.prim : plane.prim
+          slot: issue.slot,
+          miss: issue.pass_b && between.miss,
+          axis: issue.pass_b ? between.axis : plane.axis[1:0],
+          prim: issue.pass_b ? between.prim : plane.prim
       };
 
   ti_ist1_pipe #(
@@ -302,8 +325,8 @@ module ti_ist1 #(
   ) u_pipe (
     .clk_i,
     .rst_ni,
-    .valid_i (issue_q),
-    .pass_b_i(issue_b_q),
+    .valid_i (issues),
+    .pass_b_i(issue.pass_b),
     .tag_i   (issue_tag),
     .axis_i  (issue_tag.axis),
     .o_i     (operands.ray.o),
@@ -352,8 +375,8 @@ module ti_ist1 #(
     .result_slot_i(result_tag.slot),
     .prim_i       (result_tag.prim),
     .values_i     ({result_det, result_dett, result_x, result_y}),
-    .failed_i     (issue_error_q),
-    .failed_slot_i(issue_slot_q),
+    .failed_i     (fails),
+    .failed_slot_i(issue.slot),
     .candidate_valid_o,
     .candidate_ready_i,
     .candidate_data_o,
@@ -375,15 +398,15 @@ module ti_ist1 #(
 
   always_comb begin
     events_o.activity = '0;
-    if (issue_q) events_o.activity.works = 1'b1;
+    if (issues) events_o.activity.works = 1'b1;
     else if (ra_waits) events_o.activity.memory = 1'b1;
     else if ((candidate_valid_o && !candidate_ready_i) || (return_valid_o && !return_ready_i))
       events_o.activity.room = 1'b1;
     else if (!idle_o) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
 
-    events_o.a_passes = issue_q && !issue_b_q;
-    events_o.b_passes = issue_q && issue_b_q;
+    events_o.a_passes = issues && !issue.pass_b;
+    events_o.b_passes = issues && issue.pass_b;
     events_o.cache    = cache_events;
   end
 

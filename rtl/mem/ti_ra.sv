@@ -109,7 +109,7 @@ module ti_ra #(
   logic answers_idle;
 
   // Decisions of this cycle.
-  logic hit, victim_valid, merge, row_free, use_hit, use_merge, use_miss, may_ask, line_queue_ready;
+  logic hit, victim_valid, merge, row_free, use_hit, use_merge, use_miss, may_ask;
   logic [WayWidth-1:0] hit_way, victim_way;
   row_t free_row;
 
@@ -279,7 +279,7 @@ module ti_ra #(
   assign drain = filled && s2_free;
   assign use_merge = s1_valid && merge && !stopped && !(Retry && filled);
   assign use_hit = s1_valid && !merge && hit && s2_free && !filled && !stopped;
-  assign may_ask = row_free && victim_valid && line_queue_ready && !stopped;
+  assign may_ask = row_free && victim_valid && !stopped;
   assign use_miss = s1_valid && !merge && !hit && may_ask && !(Retry && filled);
   assign s1_done = use_merge || use_hit || use_miss || again || (Retry && drain);
 
@@ -384,16 +384,15 @@ module ti_ra #(
     .rsp_error_o
   );
 
-  // Line requests wait here for the port; a row asks once, so Rows places are enough.
-  ti_fifo #(
+  // Line requests wait here for the port; a row asks once, so there is always a place.
+  ti_queue #(
     .payload_t(ti_mem_pkg::line_req_t),
     .Depth    (Rows)
   ) u_line_requests (
     .clk_i,
     .rst_ni,
-    .in_valid_i (use_miss),
-    .in_ready_o (line_queue_ready),
-    .in_data_i  ('{id: ti_mem_pkg::row_id_t'(free_row), line: s1.line}),
+    .push_i     (use_miss),
+    .push_data_i('{id: ti_mem_pkg::row_id_t'(free_row), line: s1.line}),
     .out_valid_o(line_req_valid_o),
     .out_ready_i(line_req_ready_i),
     .out_data_o (line_req_data_o)

@@ -12,7 +12,8 @@
 ///
 /// `scene_i` is taken over in each cycle in which `idle_o` is 1, so it may change at any time and holds for rays
 /// accepted after the engine has been idle.  A new scene at the addresses of an old one needs a flush: while
-/// `flush_i` is 1 no ray is accepted, and the first idle cycle forgets all lines; hold it until `idle_o` is 1.
+/// `flush_i` is 1 no ray is accepted, and lines are forgotten in the cycle after each idle one, so before a ray can ask for any; hold
+/// it until `idle_o` is 1.
 ///
 /// Reset: see `ti_axi_read` on reads in flight.
 ///
@@ -127,7 +128,7 @@ module ti_engine #(
 
   // Rays inside, those in queues included.
   logic [31:0] inside_q, inside_next;
-  logic flush, idle;
+  logic forget_q, idle;
   ti_pkg::scene_t scene_q;
 
   assign ray_ready_o = flush_q ? '0 : deal_ready;
@@ -135,7 +136,6 @@ module ti_engine #(
   assign give        = hit_valid_o & hit_ready_i;
   assign idle        = inside_q == '0;
   assign idle_o      = idle;
-  assign flush       = flush_q && idle;
 
   always_comb begin
     inside_next = inside_q;
@@ -146,9 +146,11 @@ module ti_engine #(
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       flush_q  <= 1'b0;
+      forget_q <= 1'b0;
       inside_q <= '0;
     end else begin
       flush_q  <= flush_i;
+      forget_q <= flush_q && idle;
       inside_q <= inside_next;
     end
   end
@@ -192,7 +194,7 @@ module ti_engine #(
     ti_core u_core (
       .clk_i,
       .rst_ni,
-      .flush_i         (flush),
+      .flush_i         (forget_q),
       .idle_o          (core_idle[c]),
       .scene_i         (scene_q),
       .ray_valid_i     (core_ray_valid[c]),
@@ -217,7 +219,7 @@ module ti_engine #(
     ti_memory u_memory (
       .clk_i,
       .rst_ni,
-      .flush_i         (flush),
+      .flush_i         (forget_q),
       .idle_o          (memory_idle),
       .line_req_valid_i(line_req_valid),
       .line_req_ready_o(line_req_ready),
@@ -297,7 +299,7 @@ module ti_engine #(
   end
 
   `TI_ASSERT(NoHitWithoutARay, give != '0 |-> inside_q != '0)
-  `TI_COVER(FlushesIdle, flush)
+  `TI_COVER(FlushesIdle, forget_q)
   `TI_COVER(FlushWaitsForRays, flush_q && !idle)
 
 endmodule : ti_engine

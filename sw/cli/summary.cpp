@@ -14,9 +14,12 @@ double ratio(std::uint64_t part, std::uint64_t whole) {
 }
 double percent(std::uint64_t part, std::uint64_t whole) { return 100 * ratio(part, whole); }
 
+bool has_counters(const MachineCounts& machine) {
+  return !machine.units.empty() && !machine.units.front().activities.empty();
+}
+
 /// What each kind of unit did, in percent of its cycles.
 void print_units(const MachineCounts& machine) {
-  if (machine.units.empty() || machine.units.front().activities.empty()) return;
   fmt::print("  % of cycles");
   for (const auto& [activity, cycles] : machine.units.front().activities)
     fmt::print(" {:>11}", activity);
@@ -63,11 +66,18 @@ void print_machine(const Counts& counts, int mhz) {
   };
   const double rays_per_cycle = ratio(counts.rays, machine.cycles);
   fmt::print(
-      "machine: {} cycles, {:.3f} rays/cycle, {:.1f} Mrays/s if the clock is {} MHz; busy: TRV "
-      "{:.0f} %, LIST {:.0f} %, IST1 {:.0f} %, IST2 {:.0f} %; {:.0f} B/ray from memory\n",
-      machine.cycles, rays_per_cycle, rays_per_cycle * mhz, mhz, busy("trv", work.steps),
-      busy("list", work.a_tests), busy("ist1", work.a_tests + work.b_tests),
-      busy("ist2", work.c_tests), ratio(machine.memory_bytes, counts.rays));
+      "machine: {} cycles, {:.3f} rays/cycle, {:.1f} Mrays/s if the clock is {} MHz; {:.0f} B/ray "
+      "from memory; ",
+      machine.cycles, rays_per_cycle, rays_per_cycle * mhz, mhz,
+      ratio(machine.memory_bytes, counts.rays));
+  if (!has_counters(machine)) {
+    fmt::print("it has no counters (SET=counters=true builds them)\n");
+    print_dram(machine, mhz);
+    return;
+  }
+  fmt::print("busy: TRV {:.0f} %, LIST {:.0f} %, IST1 {:.0f} %, IST2 {:.0f} %\n",
+             busy("trv", work.steps), busy("list", work.a_tests),
+             busy("ist1", work.a_tests + work.b_tests), busy("ist2", work.c_tests));
   for (const CacheCounts& cache : machine.caches) {
     fmt::print("  {:8s} {:>12} requests, {:5.1f} % hits, {:4.1f} % joined a line on its way\n",
                cache.name, cache.accesses, percent(cache.hits, cache.accesses),

@@ -18,7 +18,8 @@ module ti_woop_ist1 #(
   parameter int unsigned Spill = 8,
   /// A test ends with the pass that it fails.
   parameter bit EarlyExit = 1'b1,
-  localparam int unsigned OperandLatency = 1,  // slot memories
+  // Slot memories, registered once more where lines are.
+  localparam int unsigned OperandLatency = (ti_config_pkg::LookupStages >= 4) ? 2 : 1,
   localparam int unsigned PipeLatency = 3 * ti_fp_pkg::AddLatency + 2 * ti_fp_pkg::MulLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
 ) (
@@ -147,24 +148,27 @@ module ti_woop_ist1 #(
   );
 
   // Operands.
-  logic issue_q, issue_error_q;
-  slot_t issue_slot_q;
-  ti_intersect_pkg::corners_t issue_corners_q;
-  ti_pkg::ray_operands_t operands;
+  logic [OperandLatency-1:0] good_q, bad_q;
+  slot_t fetched_slot_q, issue_slot;
+  ti_intersect_pkg::corners_t fetched_corners_q, issue_corners;
+  ti_pkg::ray_operands_t operands_read, operands;
+  logic issues, fails;
+  assign issues = good_q[OperandLatency-1];
+  assign fails  = bad_q[OperandLatency-1];
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
-      issue_q       <= 1'b0;
-      issue_error_q <= 1'b0;
+      good_q <= '0;
+      bad_q  <= '0;
     end else begin
-      issue_q       <= rsp_valid && !rsp_error;
-      issue_error_q <= rsp_valid && rsp_error;
+      good_q <= OperandLatency'({good_q, rsp_valid && !rsp_error});
+      bad_q  <= OperandLatency'({bad_q, rsp_valid && rsp_error});
     end
   end
   always_ff @(posedge clk_i) begin
     if (rsp_valid) begin
-      issue_slot_q    <= rsp_slot;
-      issue_corners_q <= rsp_elem[$bits(issue_corners_q)-1:0];
+      fetched_slot_q    <= rsp_slot;
+      fetched_corners_q <= rsp_elem[$bits(fetched_corners_q)-1:0];
     end
   end
 
@@ -175,10 +179,20 @@ module ti_woop_ist1 #(
     .clk_i,
     .read_en_i   (rsp_valid),
     .read_addr_i (rsp_slot),
-    .read_data_o (operands),
+    .read_data_o (operands_read),
     .write_en_i  (take),
     .write_addr_i(new_slot),
     .write_data_i(test_data_i.operands)
+  );
+
+  ti_delay #(
+    .payload_t(logic [$bits(slot_t)+$bits(issue_corners)+$bits(operands)-1:0]),
+    .Cycles   (OperandLatency - 1)
+  ) u_issue (
+    .clk_i,
+    .rst_ni,
+    .data_i({fetched_slot_q, fetched_corners_q, operands_read}),
+    .data_o({issue_slot, issue_corners, operands})
   );
 
   // The pass.
@@ -191,12 +205,12 @@ module ti_woop_ist1 #(
   ) u_pipe (
     .clk_i,
     .rst_ni,
-    .valid_i  (issue_q),
-    .tag_i    ({issue_slot_q, issue_corners_q.prim}),
+    .valid_i  (issues),
+    .tag_i    ({issue_slot, issue_corners.prim}),
     .z_i      (ti_pkg::axis_of(operands.d)),
     .o_i      (operands.o),
     .shear_i  (ti_pkg::with_axis(operands.d, '0)),
-    .corners_i(issue_corners_q.p),
+    .corners_i(issue_corners.p),
     .valid_o  (result_valid),
     .keep_o   (result_keep),
     .tag_o    (result_tag),
@@ -219,8 +233,8 @@ module ti_woop_ist1 #(
     .result_slot_i(result_tag.slot),
     .prim_i       (result_tag.prim),
     .values_i     (result_edges),
-    .failed_i     (issue_error_q),
-    .failed_slot_i(issue_slot_q),
+    .failed_i     (fails),
+    .failed_slot_i(issue_slot),
     .candidate_valid_o,
     .candidate_ready_i,
     .candidate_data_o,
@@ -242,21 +256,21 @@ module ti_woop_ist1 #(
 
   always_comb begin
     events_o.activity = '0;
-    if (issue_q) events_o.activity.works = 1'b1;
+    if (issues) events_o.activity.works = 1'b1;
     else if (ra_waits) events_o.activity.memory = 1'b1;
     else if ((candidate_valid_o && !candidate_ready_i) || (return_valid_o && !return_ready_i))
       events_o.activity.room = 1'b1;
     else if (!idle_o) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
 
-    events_o.a_passes = issue_q;
+    events_o.a_passes = issues;
     events_o.b_passes = 1'b0;
     events_o.cache    = cache_events;
   end
 
   logic unused;
   assign unused = ^{test_data_i.tnear, test_data_i.tfar, rsp_elem[8*ElemBytes-1:$bits(
-      issue_corners_q
+      issue_corners
   )]};
 
   // Else a record would lie across the elements that are fetched.
