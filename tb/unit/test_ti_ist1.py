@@ -298,7 +298,7 @@ async def tells_what_it_does_in_each_cycle(dut):
 
         cocotb.start_soon(source.send([beat]))  # its lines are in the L1
         works = min(len(passes), 2)
-        steps = works * (3 + 1 + int(dut.PassLatency.value) - 1) + 2
+        steps = works * (2 + configuration()["lookup_stages"] + int(dut.PassLatency.value)) + 2
         moves = {"empty": 1 + 99 - works - steps, "works": works, "latency": steps}
         assert await during(100) == moves
 
@@ -315,7 +315,7 @@ BUILDS = {
     "tiny": ("", {}),
     "large": ("ist1_rows=4", {"NumSlots": SLOTS_TO_FILL, "CacheBytes": 4096, "Ways": 4, "Rows": 4}),
     "lines": ("line_bytes=32 exp_bits=7 frac_bits=16 fp_cmp_stages=1", {"NumSlots": 5, "Rows": 1}),
-    "wide": ("line_bytes=128", {"NumSlots": 16}),
+    "wide": ("line_bytes=128 lookup_stages=4 fill_bytes=8", {"NumSlots": 16}),
     "all passes": ("", {"NumSlots": 16, "EarlyExit": 0}),
 }
 

@@ -173,7 +173,7 @@ async def a_flush_makes_it_ask_for_its_lines_again(dut):
 BUILDS = {
     "tiny": ("", {}),
     "large": ("ist1_rows=4", {"NumSlots": SLOTS_TO_FILL, "CacheBytes": 4096, "Ways": 4, "Rows": 4}),
-    "packed": ("exp_bits=7 frac_bits=16 line_bytes=32", {"NumSlots": 5, "Rows": 1}),
+    "packed": ("exp_bits=7 frac_bits=16 line_bytes=32 lookup_stages=4", {"NumSlots": 5, "Rows": 1}),
     "all passes": ("line_bytes=128", {"NumSlots": 16, "EarlyExit": 0}),
 }
 
