@@ -9,15 +9,7 @@ from models.cache import Cache
 from models.payload import parameter
 
 # CacheBytes, Ways, LineBytes, WordBytes: many sets and one, a single line, every depth of the tree.
-SHAPES = [
-    (256, 1, 64, 64),
-    (256, 1, 64, 8),
-    (16, 1, 16, 16),
-    (256, 2, 32, 8),
-    (256, 2, 32, 32),
-    (128, 4, 16, 8),
-    (128, 8, 16, 16),
-]
+SHAPES = [(256, 1, 64, 8), (16, 1, 16, 16), (256, 2, 32, 8), (128, 4, 16, 16), (128, 8, 16, 8)]
 PULSES = ("touch_i", "alloc_i", "write_i", "fill_i", "unpin_i", "flush_i")
 COMPARE = parameter("Compare", 0) == 1
 
