@@ -199,6 +199,8 @@ def store_kind(modules: list[str], instance: str, name: str, is_array: bool) -> 
         return f"{level}_lines" if instance == "u_lines" else f"{level}_tags"
     if module == "ti_delay":
         return "delays"
+    if module == "ti_fifo" and name == "data_q":
+        return "queues"
     if not is_array:
         return "registers"
     if module == "ti_ram_1r1w":

@@ -9,7 +9,7 @@ module ti_regfile #(
   parameter type word_t = logic,
   /// Words, 1 or more.
   parameter int unsigned Depth = 2,
-  /// With fewer bits it is registers: the least that is worth a distributed RAM.
+  /// With fewer bits, or one word, it is registers: the least that is worth a distributed RAM.
   parameter int unsigned RamBits = 8,
   localparam int unsigned AddrWidth = (Depth > 1) ? $clog2(Depth) : 1
 ) (
@@ -24,7 +24,7 @@ module ti_regfile #(
 );
 
   // Xilinx, Gowin and Yosys; Intel, where Lattice's `syn_ramstyle` would be the same attribute.
-  if (Depth * $bits(word_t) >= RamBits) begin : gen_ram
+  if (Depth > 1 && Depth * $bits(word_t) >= RamBits) begin : gen_ram
     (* ram_style = "distributed", ramstyle = "MLAB" *) word_t mem_q[Depth];
     always_ff @(posedge clk_i) if (write_en_i) mem_q[write_addr_i] <= write_data_i;
     assign read_data_o = mem_q[read_addr_i];

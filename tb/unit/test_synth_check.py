@@ -51,9 +51,9 @@ def test_top_is_clean(tmp_path):
     "line, word",
     [
         ("logic held;\nalways_latch if (in_valid_i) held = out_ready_i;\n", "latch"),
-        ("wire here, there;\nassign here = there & pop;\nassign there = here | push;\n", "loop"),
-        ("wire twice;\nassign twice = pop;\nassign twice = push;\n", "driver"),
-        ("logic late;\nassign late = early;\nlogic early;\nassign early = pop;\n", "declar"),
+        ("wire here, there;\nassign here = there & load;\nassign there = here | push;\n", "loop"),
+        ("wire twice;\nassign twice = load;\nassign twice = push;\n", "driver"),
+        ("logic late;\nassign late = early;\nlogic early;\nassign early = load;\n", "declar"),
     ],
 )
 def test_fault_is_reported(tmp_path, line, word):
