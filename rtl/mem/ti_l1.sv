@@ -11,8 +11,8 @@
 /// which stands in `word_o` from the cycle after until the next read.
 ///
 /// `alloc_i` reserves the victim's place for `line_i`: its old line is forgotten and the place is
-/// pinned.  `write_i` writes a word of an arrived line into a reserved place, `fill_i` says that it is the last one;
-/// `unpin_i` lets the place be a victim again.
+/// pinned.  `write_i` writes a word of an arrived line into a reserved place, two cycles after `alloc_i` or later; `fill_i`
+/// says that it is the last one, `unpin_i` lets the place be a victim again.
 /// Victims: an empty way, else the tree pseudo-LRU way, else the first that is not pinned.
 /// `flush_i` forgets all lines in one cycle; nothing may be pinned or looked up then.
 /// Tags and lines map to block RAM; valid, pinned and LRU bits are registers, as many are read and
@@ -157,21 +157,42 @@ module ti_l1 #(
     `TI_ASSERT(UsedAsTheNextIsCompared, touch_i || alloc_i |-> compare_en_i)
   end
 
+  // What a use changes is written a cycle later: the bits of all sets are far away.
+  logic update_q, update_alloc_q, update_again;
+  logic [SetWidth-1:0] update_set_q;
+  logic [WayWidth-1:0] update_way_q;
+  logic [TreeNodes-1:0] update_tree_q, tree_after;
+  always_ff @(`TI_CLK_RST) begin
+    if (!rst_ni) update_q <= 1'b0;
+    else update_q <= touch_i || alloc_i;
+  end
+  always_ff @(posedge clk_i) begin
+    update_alloc_q <= alloc_i;
+    update_set_q   <= set;
+    update_way_q   <= victim_way_o;
+    update_tree_q  <= tree_after;
+  end
+  assign update_again = update_q && update_set_q == next_set;
+
   // What is known of the set that is looked up, in registers that follow it.
   logic [Ways-1:0] set_valid_q, set_pinned_q;
-  logic [TreeNodes-1:0] set_tree_q, tree_after;
+  logic [TreeNodes-1:0] set_tree_q;
   always_ff @(posedge clk_i) begin
-    if (next_en) set_tree_q <= (again && (touch_i || alloc_i)) ? tree_after : tree_q[next_set];
+    if (next_en) begin
+      if (again && (touch_i || alloc_i)) set_tree_q <= tree_after;
+      else set_tree_q <= update_again ? update_tree_q : tree_q[next_set];
+    end
   end
   for (genvar w = 0; w < Ways; w++) begin : gen_set
-    logic fills, unpins;
-    assign fills  = fill_i && fill_way_i == WayWidth'(w);
+    logic fills, unpins, reserved;
+    assign fills = fill_i && fill_way_i == WayWidth'(w);
     assign unpins = unpin_i && unpin_way_i == WayWidth'(w);
+    assign reserved = taken[w] || (update_again && update_alloc_q && update_way_q == WayWidth'(w));
     always_ff @(posedge clk_i) begin
       if (next_en) begin
         set_valid_q[w] <= (fills && fill_set_i == next_set) ? fill_good_i :
-            valid_q[next_set][w] && !taken[w];
-        set_pinned_q[w] <= taken[w] ||
+            valid_q[next_set][w] && !reserved;
+        set_pinned_q[w] <= reserved ||
             (pinned_q[next_set][w] && !(unpins && unpin_set_i == next_set));
       end else begin
         if (fills && fill_set_i == set) set_valid_q[w] <= fill_good_i;
@@ -234,13 +255,13 @@ module ti_l1 #(
         tree_q[s]   <= '0;
       end
     end else begin
-      if (alloc_i) begin
-        valid_q[set][victim_way_o]  <= 1'b0;
-        pinned_q[set][victim_way_o] <= 1'b1;
+      if (update_q) tree_q[update_set_q] <= update_tree_q;
+      if (update_q && update_alloc_q) begin
+        valid_q[update_set_q][update_way_q]  <= 1'b0;
+        pinned_q[update_set_q][update_way_q] <= 1'b1;
       end
       if (fill_i) valid_q[fill_set_i][fill_way_i] <= fill_good_i;
       if (unpin_i) pinned_q[unpin_set_i][unpin_way_i] <= 1'b0;
-      if (touch_i || alloc_i) tree_q[set] <= tree_after;
       if (flush_i) begin
         for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
       end

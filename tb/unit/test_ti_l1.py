@@ -3,7 +3,7 @@
 
 import cocotb
 import pytest
-from agents.bench import run, start
+from agents.bench import cycle, run, start
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.cache import Cache
 from models.payload import parameter
@@ -25,6 +25,7 @@ class L1:
         self.sets = int(dut.CacheBytes.value) // (self.ways * self._line_bytes)
         self._cache = Cache(self.sets, self.ways)
         self._data = {}
+        self._reserved = 0  # the last cycle of `alloc_i`
 
     async def _step(self, **ports):
         for name, value in ports.items():
@@ -81,6 +82,7 @@ class L1:
             await self._step(alloc_i=1, compare_en_i=1)
         else:
             await self._as_it_is_used(then, early, alloc_i=1)
+        self._reserved = cycle() - 1
         return self._cache.alloc(line)
 
     async def _as_it_is_used(self, then, early=True, **ports):
@@ -99,6 +101,8 @@ class L1:
 
     async def fill(self, place, line, data, good=True, then=None):
         """The line has come; with `then`, as that is compared, its tags having been read."""
+        if cycle() < self._reserved + 2:
+            await RisingEdge(self._dut.clk_i)
         ports = {"fill_set_i": place[0], "fill_way_i": place[1]}
         for index in range(self.words):
             ports |= {"write_index_i": index, "write_word_i": self._word(data, index)}
