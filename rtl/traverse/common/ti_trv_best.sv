@@ -3,13 +3,14 @@
 `include "ti_assert.svh"
 `include "ti_reset.svh"
 
-/// The best hit of each slot.  2 CMP.
+/// The best hit of each slot.  2 CMP, with `CmpStages` 3.
 ///
 /// A token a cycle, the same slot in a row included; never stalls.  A hit counts when tmin <= t and (t, prim) is
 /// less than the best so far, which starts as (the ray's tmax, no primitive).  Both comparisons are made side by
 /// side, `1 + CmpStages` cycles after the token; a cycle later stands what has become of the best.  A token behind
 /// others of its slot takes their result, as the memory does not have it yet; with a stage in front of the
-/// comparisons that choice is made there, and one behind them drives the memories.
+/// comparisons that choice is made there, and one behind them drives the memories.  The token right in front of one is
+/// then decided only as that one is compared, so it is compared with both: 3 CMP.
 module ti_trv_best #(
   parameter  int unsigned NumSlots  = 8,
   /// Register stages in front of the comparisons, 0 or 1.
@@ -82,14 +83,15 @@ module ti_trv_best #(
   key_t key_ram;
   compared_t merged;
 
-  // The token that is compared, the one that is kept if it was taken, and the one before that.
-  logic at_hit, take, keep, kept_last_q;
+  // The token that is compared, whether it is less than the best, which may be the token in front of it; the one that
+  // is kept if it was taken, and the one before that.
+  logic at_hit, take, keep, kept_last_q, less, front_is_best;
   compared_t at;
   slot_t kept_slot;
   accepted_t kept;
   key_t last_q;
 
-  logic token_slot_has_hit, same_slot_q, take_last, in_range, less, equal;
+  logic token_slot_has_hit, same_slot_q, take_last, in_range, lower, equal, less_than_best;
   slot_t token_slot;
   assign token_slot = token_data_i.home.slot;
 
@@ -158,19 +160,20 @@ module ti_trv_best #(
   end
 
   if (CmpStages == 0) begin : gen_at_once
-    assign at_hit    = hit_q;
-    assign at        = merged;
-    assign keep      = take;
-    assign kept_slot = at.slot;
-    assign kept      = at.token;
+    assign at_hit        = hit_q;
+    assign at            = merged;
+    assign keep          = take;
+    assign kept_slot     = at.slot;
+    assign kept          = at.token;
+    assign front_is_best = 1'b0;
+    assign less          = less_than_best;
   end else begin : gen_later
-    // Two tokens are in front of this one: one that is compared, one that is written if it was taken.
-    logic at_hit_q, keep_q, same_as_kept_q, take_kept, take_front;
+    // Two tokens are in front of the one that is merged: one that is compared, one that is written if it was taken.
+    logic at_hit_q, keep_q, same_as_kept_q, same_as_front_q, take_kept, less_than_front;
     compared_t at_q;
     slot_t kept_slot_q;
     accepted_t kept_q;
-    assign take_kept  = keep_q && same_as_kept_q;
-    assign take_front = take && at_q.slot == slot_q;
+    assign take_kept = keep_q && same_as_kept_q;
     always_ff @(`TI_CLK_RST) begin
       if (!rst_ni) begin
         at_hit_q <= 1'b0;
@@ -181,19 +184,36 @@ module ti_trv_best #(
       end
     end
     always_ff @(posedge clk_i) begin
-      same_as_kept_q <= token_slot == at_q.slot;
-      kept_slot_q    <= at_q.slot;
-      kept_q         <= at_q.token;
-      at_q           <= merged;
-      at_q.had_hit   <= merged.had_hit || take_kept || take_front;
-      if (take_front) at_q.best <= at_q.token.key;
-      else if (take_kept) at_q.best <= kept_q.key;
+      same_as_kept_q  <= token_slot == at_q.slot;
+      same_as_front_q <= slot_q == at_q.slot;
+      kept_slot_q     <= at_q.slot;
+      kept_q          <= at_q.token;
+      at_q            <= merged;
+      at_q.had_hit    <= merged.had_hit || take_kept;
+      if (take_kept) at_q.best <= kept_q.key;
     end
-    assign at_hit    = at_hit_q;
-    assign at        = at_q;
-    assign keep      = keep_q;
+
+    logic lower_than_front, equal_to_front;
+    ti_fp_cmp #(
+      .ExpBits (ti_num_pkg::ExpBits),
+      .FracBits(ti_num_pkg::FracBits)
+    ) u_front (
+      .a_i(at_q.token.key.t),
+      .b_i(kept_q.key.t),
+      .lt_o(lower_than_front),
+      .eq_o(equal_to_front),
+      .le_o(),
+      .unordered_o()
+    );
+    assign less_than_front = lower_than_front ||
+        (equal_to_front && at_q.token.key.prim < kept_q.key.prim);
+    assign at_hit = at_hit_q;
+    assign at = at_q;
+    assign keep = keep_q;
     assign kept_slot = kept_slot_q;
-    assign kept      = kept_q;
+    assign kept = kept_q;
+    assign front_is_best = keep_q && same_as_front_q;
+    assign less = front_is_best ? less_than_front : less_than_best;
   end
 
   ti_fp_cmp #(
@@ -213,16 +233,18 @@ module ti_trv_best #(
   ) u_best (
     .a_i(at.token.key.t),
     .b_i(at.best.t),
-    .lt_o(less),
+    .lt_o(lower),
     .eq_o(equal),
     .le_o(),
     .unordered_o()
   );
-  assign take = at_hit && in_range && (less || (equal && at.token.key.prim < at.best.prim));
+  assign less_than_best = lower || (equal && at.token.key.prim < at.best.prim);
+  assign take = at_hit && in_range && less;
 
   always_ff @(posedge clk_i) begin
-    after_hit_o <= take || at.had_hit;
-    after_t_o   <= take ? at.token.key.t : at.best.t;
+    after_hit_o <= take || front_is_best || at.had_hit;
+    if (take) after_t_o <= at.token.key.t;
+    else after_t_o <= front_is_best ? kept.key.t : at.best.t;
     if (keep) has_hit_q[kept_slot] <= 1'b1;
     if (start_i) has_hit_q[start_slot_i] <= 1'b0;
   end
