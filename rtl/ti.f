@@ -16,6 +16,7 @@ rtl/common/ti_round_robin.sv
 rtl/common/ti_arbiter.sv
 rtl/common/ti_xbar.sv
 rtl/common/ti_slot_pool.sv
+rtl/common/ti_credits.sv
 rtl/common/ti_stage.sv
 rtl/common/ti_sync.sv
 rtl/common/ti_cdc_write.sv
@@ -29,6 +30,7 @@ rtl/fp/ti_fp_newton.sv
 rtl/fp/ti_fp_rcp.sv
 rtl/fp/ti_fp_class.sv
 rtl/mem/ti_l1.sv
+rtl/mem/ti_ra_steps.sv
 rtl/mem/ti_ra_rows.sv
 rtl/mem/ti_ra_retry.sv
 rtl/mem/ti_ra_fill.sv
@@ -61,6 +63,7 @@ rtl/intersect/ti_list.sv
 rtl/intersect/ti_ist1_verdict.sv
 rtl/intersect/ti_ist1_front.sv
 rtl/intersect/ti_ist1_pipe.sv
+rtl/intersect/ti_ist1_requests.sv
 rtl/intersect/ti_ist1_egress.sv
 rtl/intersect/ti_ist1.sv
 rtl/intersect/ti_ist2.sv

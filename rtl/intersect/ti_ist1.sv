@@ -85,11 +85,6 @@ module ti_ist1 #(
     ti_pkg::prim_t prim;
   } tag_t;
 
-  typedef struct packed {
-    slot_t             slot;
-    ti_mem_pkg::addr_t addr;
-  } request_t;
-
   /// What the RA has answered.
   typedef struct packed {
     slot_t                  slot;
@@ -122,89 +117,34 @@ module ti_ist1 #(
   tag_t result_tag;
   ti_pkg::fp_t result_det, result_dett, result_x, result_y;
 
-  // Requests: an arbiter of new tests and tests that have passed (a).
-  logic req_valid, req_ready, go_on;
-  logic [1:0] requests_valid, requests_ready, requests_lost;
-  ti_pkg::record_t bary_record;
-  request_t plane_request, bary_request;
-  request_t requests[2];
-  request_t req;
+  // Requests.
+  logic req_valid, req_ready, go_on, rsp_pass_b, rsp_odd;
+  slot_t req_slot, rsp_slot;
+  ti_mem_pkg::addr_t req_addr;
 
-  ti_regfile #(
-    .Depth (NumSlots),
-    .word_t(ti_pkg::record_t)
-  ) u_records (
-    .clk_i,
-    .read_addr_i (result_tag.slot),
-    .read_data_o (bary_record),
-    .write_en_i  (take),
-    .write_addr_i(new_slot),
-    .write_data_i(test_data_i.record)
-  );
-
-  assign plane_request = '{
-          slot: new_slot,
-          addr: plane_base_i + (ti_mem_pkg::addr_t'(test_data_i.record) << 5)
-      };
-  assign bary_request = '{
-          slot: result_tag.slot,
-          addr: bary_base_i + (ti_mem_pkg::addr_t'(bary_record) << 4)
-      };
-
-  ti_queue #(
-    .payload_t(request_t),
-    .Depth    (NumSlots)
-  ) u_plane_req (
-    .clk_i,
-    .rst_ni,
-    .push_i     (take),
-    .push_data_i(plane_request),
-    .out_valid_o(requests_valid[0]),
-    .out_ready_i(requests_ready[0]),
-    .out_data_o (requests[0])
-  );
-
-  ti_queue #(
-    .payload_t(request_t),
-    .Depth    (NumSlots)
-  ) u_bary_req (
-    .clk_i,
-    .rst_ni,
-    .push_i     (go_on),
-    .push_data_i(bary_request),
-    .out_valid_o(requests_valid[1]),
-    .out_ready_i(requests_ready[1]),
-    .out_data_o (requests[1])
-  );
-
-  ti_arbiter #(
-    .payload_t(request_t),
-    .NumIn    (2)
+  ti_ist1_requests #(
+    .NumSlots(NumSlots)
   ) u_requests (
     .clk_i,
     .rst_ni,
-    .in_valid_i (requests_valid),
-    .in_ready_o (requests_ready),
-    .in_lost_o  (requests_lost),
-    .in_data_i  (requests),
-    .out_valid_o(req_valid),
-    .out_ready_i(req_ready),
-    .out_data_o (req)
+    .plane_base_i,
+    .bary_base_i,
+    .take_i      (take),
+    .take_slot_i (new_slot),
+    .record_i    (test_data_i.record),
+    .go_on_i     (go_on),
+    .go_on_slot_i(result_tag.slot),
+    .req_valid_o (req_valid),
+    .req_ready_i (req_ready),
+    .req_slot_o  (req_slot),
+    .req_addr_o  (req_addr),
+    .slot_i      (rsp_slot),
+    .pass_b_o    (rsp_pass_b),
+    .odd_o       (rsp_odd)
   );
-
-  logic [NumSlots-1:0] pass_b_q;  // which part the slot has asked for
-  logic [NumSlots-1:0] odd_q;  // its barycentric part is the second of an element
-  always_ff @(posedge clk_i) begin
-    if (take) begin
-      pass_b_q[new_slot] <= 1'b0;
-      odd_q[new_slot]    <= test_data_i.record[0];
-    end
-    if (go_on) pass_b_q[result_tag.slot] <= 1'b1;
-  end
 
   logic rsp_valid, rsp_error, ra_idle, ra_waits;
   ti_count_pkg::cache_events_t cache_events;
-  slot_t rsp_slot;
   logic [8*ElemBytes-1:0] rsp_elem;
 
   ti_ra #(
@@ -222,8 +162,8 @@ module ti_ist1 #(
     .waits_o    (ra_waits),
     .req_valid_i(req_valid),
     .req_ready_o(req_ready),
-    .req_slot_i (req.slot),
-    .req_addr_i (req.addr),
+    .req_slot_i (req_slot),
+    .req_addr_i (req_addr),
     .rsp_valid_o(rsp_valid),
     .rsp_ready_i(1'b1),
     .rsp_slot_o (rsp_slot),
@@ -260,12 +200,7 @@ module ti_ist1 #(
   end
   always_ff @(posedge clk_i) begin
     if (rsp_valid) begin
-      fetched_q <= '{
-          slot: rsp_slot,
-          pass_b: pass_b_q[rsp_slot],
-          odd: odd_q[rsp_slot],
-          elem: rsp_elem
-      };
+      fetched_q <= '{slot: rsp_slot, pass_b: rsp_pass_b, odd: rsp_odd, elem: rsp_elem};
     end
   end
 
@@ -409,9 +344,6 @@ module ti_ist1 #(
     events_o.b_passes = issues && issue.pass_b;
     events_o.cache    = cache_events;
   end
-
-  logic unused_lost;
-  assign unused_lost = |requests_lost;
 
   // Else the parts of a triangle would lie across the elements that are fetched.
   `TI_ASSERT(PartsAreAligned, plane_base_i[4:0] == '0 && bary_base_i[4:0] == '0)

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// First half of `ti_ist1_pipe`: the products and differences G1, H and G2.
+/// First half of `ti_ist1_pipe`: the products and sums G1, H, G2 and X1.
 ///
-/// Times, operators and what each gives in which pass are in the table of `ti_ist1_pipe`; an output stands at the time that is
-/// in its name.  `valid_i` and `pass_b_i` have the pass of each cycle of the way, that of time 0 in front.
+/// Times, operators and what each gives in which pass are in the table of `ti_ist1_pipe`; all outputs stand at TimeG3.
+/// `valid_i` and `pass_b_i` have the pass of each cycle of the way, that of time 0 in front.
 module ti_ist1_front #(
   /// The test as published.
   parameter bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
   localparam int unsigned TimeH = ti_fp_pkg::MulLatency,
-  localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency
+  localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency,
+  localparam int unsigned TimeX1 = TimeG2 + ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeG3 = TimeX1 + ti_fp_pkg::AddLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
 
-  input logic          [TimeG2:0] valid_i,
-  input logic          [TimeG2:0] pass_b_i,
+  input logic          [TimeX1:0] valid_i,
+  input logic          [TimeX1:0] pass_b_i,
   input logic          [     1:0] axis_i,    // w
   input ti_pkg::vec3_t            o_i,
   input ti_pkg::vec3_t            d_i,
@@ -26,15 +28,13 @@ module ti_ist1_front #(
   input ti_pkg::fp_t              audet_i,
   input ti_pkg::fp_t              av_i,
 
-  output ti_pkg::fp_t dw_0_o,
-  output ti_pkg::fp_t ow_h_o,
-  output ti_pkg::fp_t np_h_o,   // n.p, of the test as published
-  output ti_pkg::fp_t hu_g2_o,  // (a) au; (b) Du
-  output ti_pkg::fp_t hv_g2_o,  // (a) av; (b) Dv
-  output ti_pkg::fp_t aw_g2_o,
-  output ti_pkg::fp_t n_g2_o,
-  output ti_pkg::fp_t g2_0_o,   // (a) nu*au; (b) e1v*Du
-  output ti_pkg::fp_t g2_1_o    // (a) nv*av; (b) e1u*Dv
+  output ti_pkg::fp_t x1_o,    // (a) det; (b) detu
+  output ti_pkg::fp_t hu_o,    // (a) au; (b) Du
+  output ti_pkg::fp_t hv_o,    // (a) av; (b) Dv
+  output ti_pkg::fp_t w_o,     // (a) aw; of the test as published ow
+  output ti_pkg::fp_t np_o,    // (a) n.p, of the test as published
+  output ti_pkg::fp_t g2_0_o,  // (a) nu*au
+  output ti_pkg::fp_t g2_1_o   // (a) nv*av
 );
 
   typedef ti_pkg::fp_t fp_t;
@@ -118,7 +118,7 @@ module ti_ist1_front #(
   assign at_h = valid_i[TimeH];
   assign b_h  = pass_b_i[TimeH];
 
-  fp_t h_u, h_v, h_w, h_n;  // (a) au, av, aw, n; (b) Du, Dv
+  fp_t h_u, h_v, h_n;  // (a) au, av, n; (b) Du, Dv
   ti_fp_add #(
     .ExpBits (E),
     .FracBits(M)
@@ -146,8 +146,17 @@ module ti_ist1_front #(
     .result_o(h_v)
   );
   if (Np) begin : gen_no_aw
-    assign h_w = '0;
+    ti_delay #(
+      .payload_t(logic [2*W-1:0]),
+      .Cycles   (TimeG3 - TimeH)
+    ) u_to_g3 (
+      .clk_i,
+      .rst_ni,
+      .data_i({p_h[2], o_h[2]}),
+      .data_o({np_o, w_o})
+    );
   end else begin : gen_aw
+    fp_t h_w;
     ti_fp_add #(
       .ExpBits (E),
       .FracBits(M)
@@ -161,6 +170,16 @@ module ti_ist1_front #(
       .valid_o(),
       .result_o(h_w)
     );
+    ti_delay #(
+      .payload_t(fp_t),
+      .Cycles   (TimeG3 - TimeG2)
+    ) u_w_to_g3 (
+      .clk_i,
+      .rst_ni,
+      .data_i(h_w),
+      .data_o(w_o)
+    );
+    assign np_o = '0;
   end
   ti_fp_add #(
     .ExpBits (E),
@@ -229,14 +248,60 @@ module ti_ist1_front #(
     .result_o(g2_1)
   );
 
-  assign dw_0_o  = d[2];
-  assign ow_h_o  = o_h[2];
-  assign np_h_o  = p_h[2];
-  assign hu_g2_o = h_u;
-  assign hv_g2_o = h_v;
-  assign aw_g2_o = h_w;
-  assign n_g2_o  = h_n;
-  assign g2_0_o  = g2_0;
-  assign g2_1_o  = g2_1;
+  // TimeX1.
+  fp_t n_x1, dw_x1;
+  logic b_x1;
+  assign b_x1 = pass_b_i[TimeX1];
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeX1 - TimeG2)
+  ) u_n_to_x1 (
+    .clk_i,
+    .rst_ni,
+    .data_i(h_n),
+    .data_o(n_x1)
+  );
+  ti_delay #(
+    .payload_t(fp_t),
+    .Cycles   (TimeX1)
+  ) u_dw_to_x1 (
+    .clk_i,
+    .rst_ni,
+    .data_i(d[2]),
+    .data_o(dw_x1)
+  );
+  ti_fp_add #(
+    .ExpBits (E),
+    .FracBits(M)
+  ) u_x1 (
+    .clk_i,
+    .rst_ni,
+    .valid_i(valid_i[TimeX1]),
+    .a_i(b_x1 ? g2_0 : n_x1),
+    .b_i(b_x1 ? g2_1 : dw_x1),
+    .negate_b_i(b_x1),
+    .valid_o(),
+    .result_o(x1_o)
+  );
+
+  // TimeG3: what else is used from there on.
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeG3 - TimeG2)
+  ) u_h_to_g3 (
+    .clk_i,
+    .rst_ni,
+    .data_i({h_v, h_u}),
+    .data_o({hv_o, hu_o})
+  );
+  ti_delay #(
+    .payload_t(logic [2*W-1:0]),
+    .Cycles   (TimeG3 - TimeX1)
+  ) u_g2_to_g3 (
+    .clk_i,
+    .rst_ni,
+    .data_i({g2_1, g2_0}),
+    .data_o({g2_1_o, g2_0_o})
+  );
 
 endmodule : ti_ist1_front

@@ -9,7 +9,7 @@
 /// The test is that of Shevtsov et al. (2007) in its local form (p_w stored in place of n.p), or with `Np` as
 /// published: then G2 takes o in place of a, X2 gives m = nu*ou + nv*ov, X3 m + ow, and one more ADD, X4, dett = np -
 /// that; latency and the rest are as if X4 stood behind X3 in both passes.
-/// G1, H and G2 are in `ti_ist1_front`.  One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
+/// G1, H, G2 and X1 are in `ti_ist1_front`.  One pass a cycle in any mixture, latency `Latency` for both: every operator stands at one place in
 /// time and serves both passes there.  No stall.
 ///
 /// | step    | starts at | pass (a)                             | pass (b)                          |
@@ -82,15 +82,15 @@ module ti_ist1_pipe #(
   end
   always_ff @(posedge clk_i) pass_b_q <= {pass_b_q[TimeVerdict-1:0], pass_b_i};
 
-  // G1, H, G2.
-  fp_t dw_0, ow_h, np_h, h_u, h_v, h_w, h_n, g2_0, g2_1;
+  // G1, H, G2, X1.
+  fp_t x1, hu_g3, hv_g3, w_g3, np_g3, g2_0_g3, g2_1_g3;
   ti_ist1_front #(
     .Np(Np)
   ) u_front (
     .clk_i,
     .rst_ni,
-    .valid_i ({valid_q[TimeG2-1:0], valid_i}),
-    .pass_b_i({pass_b_q[TimeG2-1:0], pass_b_i}),
+    .valid_i ({valid_q[TimeX1-1:0], valid_i}),
+    .pass_b_i({pass_b_q[TimeX1-1:0], pass_b_i}),
     .axis_i,
     .o_i,
     .d_i,
@@ -101,55 +101,17 @@ module ti_ist1_pipe #(
     .dett_i,
     .audet_i,
     .av_i,
-    .dw_0_o  (dw_0),
-    .ow_h_o  (ow_h),
-    .np_h_o  (np_h),
-    .hu_g2_o (h_u),
-    .hv_g2_o (h_v),
-    .aw_g2_o (h_w),
-    .n_g2_o  (h_n),
-    .g2_0_o  (g2_0),
-    .g2_1_o  (g2_1)
-  );
-
-  // TimeX1.
-  fp_t n_x1, dw_x1, x1;
-  logic b_x1;
-  assign b_x1 = pass_b_q[TimeX1-1];
-  ti_delay #(
-    .payload_t(fp_t),
-    .Cycles   (TimeX1 - TimeG2)
-  ) u_n_to_x1 (
-    .clk_i,
-    .rst_ni,
-    .data_i(h_n),
-    .data_o(n_x1)
-  );
-  ti_delay #(
-    .payload_t(fp_t),
-    .Cycles   (TimeX1)
-  ) u_dw_to_x1 (
-    .clk_i,
-    .rst_ni,
-    .data_i(dw_0),
-    .data_o(dw_x1)
-  );
-  ti_fp_add #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_x1 (
-    .clk_i,
-    .rst_ni,
-    .valid_i(valid_q[TimeX1-1]),
-    .a_i(b_x1 ? g2_0 : n_x1),
-    .b_i(b_x1 ? g2_1 : dw_x1),
-    .negate_b_i(b_x1),
-    .valid_o(),
-    .result_o(x1)
+    .x1_o    (x1),
+    .hu_o    (hu_g3),
+    .hv_o    (hv_g3),
+    .w_o     (w_g3),
+    .np_o    (np_g3),
+    .g2_0_o  (g2_0_g3),
+    .g2_1_o  (g2_1_g3)
   );
 
   // TimeG3.
-  fp_t g3_k0, g3_k1, hu_g3, hv_g3, g3_0, g3_1;
+  fp_t g3_k0, g3_k1, g3_0, g3_1;
   logic b_g3;
   assign b_g3 = pass_b_q[TimeG3-1];
   // (a) tfar; (b) e0u, e0v.
@@ -161,15 +123,6 @@ module ti_ist1_pipe #(
     .rst_ni,
     .data_i(pass_b_i ? {bary_i.e0v[W-1:0], bary_i.e0u[W-1:0]} : {fp_t'('0), tfar_i}),
     .data_o({g3_k1, g3_k0})
-  );
-  ti_delay #(
-    .payload_t(logic [2*W-1:0]),
-    .Cycles   (TimeG3 - TimeG2)
-  ) u_h_to_g3 (
-    .clk_i,
-    .rst_ni,
-    .data_i({h_v, h_u}),
-    .data_o({hv_g3, hu_g3})
   );
   ti_fp_mul #(
     .ExpBits (E),
@@ -242,11 +195,11 @@ module ti_ist1_pipe #(
   assign b_x2 = pass_b_q[TimeX2-1];
   ti_delay #(
     .payload_t(logic [2*W-1:0]),
-    .Cycles   (TimeX2 - TimeX1)
+    .Cycles   (TimeX2 - TimeG3)
   ) u_g2_to_x2 (
     .clk_i,
     .rst_ni,
-    .data_i({g2_1, g2_0}),
+    .data_i({g2_1_g3, g2_0_g3}),
     .data_o({g2_1_x2, g2_0_x2})
   );
   ti_fp_add #(
@@ -264,17 +217,17 @@ module ti_ist1_pipe #(
   );
 
   // TimeX3.
-  fp_t aw_x3, x1_x3, x3;
+  fp_t w_x3, x1_x3, x3;
   logic b_x3;
   assign b_x3 = pass_b_q[TimeX3-1];
   ti_delay #(
     .payload_t(fp_t),
-    .Cycles   (Np ? TimeX3 - TimeH : TimeX3 - TimeG2)
-  ) u_aw_to_x3 (
+    .Cycles   (TimeX3 - TimeG3)
+  ) u_w_to_x3 (
     .clk_i,
     .rst_ni,
-    .data_i(Np ? ow_h : h_w),
-    .data_o(aw_x3)
+    .data_i(w_g3),
+    .data_o(w_x3)
   );
   ti_delay #(
     .payload_t(fp_t),
@@ -293,7 +246,7 @@ module ti_ist1_pipe #(
     .rst_ni,
     .valid_i(valid_q[TimeX3-1]),
     .a_i(b_x3 ? x1_x3 : x2),
-    .b_i(b_x3 ? x2 : aw_x3),
+    .b_i(b_x3 ? x2 : w_x3),
     .negate_b_i(1'b0),
     .valid_o(),
     .result_o(x3)
@@ -305,11 +258,11 @@ module ti_ist1_pipe #(
     fp_t np_x4, x3_late, x4;
     ti_delay #(
       .payload_t(fp_t),
-      .Cycles   (TimeX4 - TimeH)
+      .Cycles   (TimeX4 - TimeG3)
     ) u_np_to_x4 (
       .clk_i,
       .rst_ni,
-      .data_i(np_h),
+      .data_i(np_g3),
       .data_o(np_x4)
     );
     ti_fp_add #(
@@ -337,7 +290,7 @@ module ti_ist1_pipe #(
     assign x3_end = pass_b_q[TimeEnd-1] ? x3_late : x4;
   end else begin : gen_no_x4
     logic unused_np;
-    assign unused_np = ^np_h;
+    assign unused_np = ^np_g3;
     assign x3_end = x3;
   end
 
@@ -347,22 +300,13 @@ module ti_ist1_pipe #(
   logic b_end;
   assign b_end = pass_b_q[TimeEnd-1];
   ti_delay #(
-    .payload_t(fp_t),
+    .payload_t(logic [2*W-1:0]),
     .Cycles   (TimeEnd - TimeX3)
-  ) u_x1_to_end (
+  ) u_x_to_end (
     .clk_i,
     .rst_ni,
-    .data_i(x1_x3),
-    .data_o(x1_end)
-  );
-  ti_delay #(
-    .payload_t(fp_t),
-    .Cycles   (TimeEnd - TimeX3)
-  ) u_x2_to_end (
-    .clk_i,
-    .rst_ni,
-    .data_i(x2),
-    .data_o(x2_end)
+    .data_i({x2, x1_x3}),
+    .data_o({x2_end, x1_end})
   );
   ti_delay #(
     .payload_t(logic [2*W-1:0]),
@@ -375,11 +319,11 @@ module ti_ist1_pipe #(
   );
   ti_delay #(
     .payload_t(fp_t),
-    .Cycles   (TimeEnd - TimeG2)
+    .Cycles   (TimeEnd - TimeG3)
   ) u_av_to_end (
     .clk_i,
     .rst_ni,
-    .data_i(h_v),
+    .data_i(hv_g3),
     .data_o(av_end)
   );
   ti_delay #(

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
-`include "ti_reset.svh"
 
 /// IST2: pass (c), r = 1/det, t = dett*r, u = detu*r, v = detv*r, on 1 RCP and 3 MUL.
 ///
@@ -33,7 +32,6 @@ module ti_ist2 #(
   localparam int unsigned M = ti_num_pkg::FracBits;
   // A credit comes back one cycle after a beat has left the queue.
   localparam int unsigned Depth = Latency + 2;
-  localparam int unsigned CountWidth = $clog2(Depth + 1);
 
   typedef struct packed {
     ti_pkg::home_t home;
@@ -41,17 +39,20 @@ module ti_ist2 #(
     ti_pkg::prim_t prim;
   } who_t;
 
-  logic [CountWidth-1:0] credits_q;
   logic take, egress;
+  assign take   = candidate_valid_i && candidate_ready_o;
+  assign egress = return_valid_o && return_ready_i;
 
-  assign candidate_ready_o = credits_q != '0;
-  assign take              = candidate_valid_i && candidate_ready_o;
-  assign egress            = return_valid_o && return_ready_i;
-
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) credits_q <= CountWidth'(Depth);
-    else if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
-  end
+  ti_credits #(
+    .Num(Depth)
+  ) u_credits (
+    .clk_i,
+    .rst_ni,
+    .take_i(take),
+    .give_i(egress),
+    .any_o (candidate_ready_o),
+    .all_o (idle_o)
+  );
 
   logic r_valid, t_valid;
   ti_pkg::fp_t r, dett, detu, detv, t, u, v;
@@ -150,7 +151,6 @@ module ti_ist2 #(
     .out_data_o (return_data_o)
   );
 
-  assign idle_o = credits_q == CountWidth'(Depth);
   always_comb begin
     events_o.activity = '0;
     if (take) events_o.activity.works = 1'b1;
@@ -161,7 +161,6 @@ module ti_ist2 #(
     events_o.c_passes = take;
   end
 
-  `TI_ASSERT(CreditsInRange, credits_q <= CountWidth'(Depth))
   `TI_ASSERT_KNOWN(CandidateReadyKnown, candidate_ready_o)
   `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 

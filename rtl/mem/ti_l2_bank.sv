@@ -56,7 +56,6 @@ module ti_l2_bank #(
   localparam int unsigned DelayCycles = (Latency > LeastLatency) ? Latency - LeastLatency : 0;
   // Requests on their way to the look-up: enough for one a cycle.
   localparam int unsigned Depth = DelayCycles + QueueLatency + 1;
-  localparam int unsigned CountWidth = $clog2(Depth + 1);
   localparam int unsigned IdWidth = (UnitIds > 1) ? $clog2(UnitIds) : 1;
   localparam int unsigned NumSlots = NumUnits << IdWidth;
   localparam int unsigned SlotWidth = $clog2(NumSlots);
@@ -79,15 +78,20 @@ module ti_l2_bank #(
 
   // The delay never stalls: credits bound what is in it and in the queue behind it.
   logic take, late_valid, lookup_valid, lookup_ready, leaves;
-  logic [CountWidth-1:0] credits_q;
-  assign req_ready_o = credits_q != '0;
-  assign take        = req_valid_i && req_ready_o;
-  assign leaves      = lookup_valid && lookup_ready;
+  logic all_back;
+  assign take   = req_valid_i && req_ready_o;
+  assign leaves = lookup_valid && lookup_ready;
 
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) credits_q <= CountWidth'(Depth);
-    else if (take != leaves) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
-  end
+  ti_credits #(
+    .Num(Depth)
+  ) u_credits (
+    .clk_i,
+    .rst_ni,
+    .take_i(take),
+    .give_i(leaves),
+    .any_o (req_ready_o),
+    .all_o (all_back)
+  );
 
   if (DelayCycles == 0) begin : gen_no_delay
     assign late_valid = take;
@@ -169,7 +173,7 @@ module ti_l2_bank #(
           error: rsp_error,
           data: rsp_line
       };
-  assign idle_o = credits_q == CountWidth'(Depth) && ra_idle;
+  assign idle_o = all_back && ra_idle;
 
   // What happens, for counting.
   assign events_o.accesses = cache_events.l1_accesses;

@@ -99,7 +99,7 @@ module ti_ra #(
 
   // Step 1: the request whose tags have been read, and with `Compare` compared.
   lookup_t look, compare, s1;
-  logic look_valid, look_ready, look_go, compare_valid, s1_ready, s1_valid, s1_done;
+  logic look_valid, look_ready, look_go, compare_en, s1_valid, s1_done, steps_empty;
 
   // Step 2: the word has been read.
   logic s2_valid_q, s2_error_q, s2_taken, s2_free;
@@ -135,39 +135,21 @@ module ti_ra #(
       };
   assign look_go = look_valid && look_ready;
 
-  logic compared;  // a request waits between the two steps of a look-up
-  if (!Compare) begin : gen_together
-    assign compare       = look;
-    assign compare_valid = look_valid;
-    assign look_ready    = s1_ready;
-    assign compared      = 1'b0;
-  end else begin : gen_compare
-    ti_stage #(
-      .payload_t(lookup_t)
-    ) u_compare (
-      .clk_i,
-      .rst_ni,
-      .in_valid_i (look_valid),
-      .in_ready_o (look_ready),
-      .in_data_i  (look),
-      .out_valid_o(compare_valid),
-      .out_ready_i(s1_ready),
-      .out_data_o (compare)
-    );
-    assign compared = compare_valid;
-  end
-
-  ti_stage #(
-    .payload_t(lookup_t)
-  ) u_s1 (
+  ti_ra_steps #(
+    .lookup_t(lookup_t),
+    .Compare (Compare)
+  ) u_steps (
     .clk_i,
     .rst_ni,
-    .in_valid_i (compare_valid),
-    .in_ready_o (s1_ready),
-    .in_data_i  (compare),
-    .out_valid_o(s1_valid),
-    .out_ready_i(s1_done),
-    .out_data_o (s1)
+    .empty_o       (steps_empty),
+    .read_valid_i  (look_valid),
+    .read_ready_o  (look_ready),
+    .read_i        (look),
+    .compare_en_o  (compare_en),
+    .compare_o     (compare),
+    .decide_valid_o(s1_valid),
+    .decided_i     (s1_done),
+    .decide_o      (s1)
   );
 
   ti_ra_rows #(
@@ -180,7 +162,7 @@ module ti_ra #(
   ) u_rows (
     .clk_i,
     .rst_ni,
-    .compare_en_i  (s1_ready),
+    .compare_en_i  (compare_en),
     .compare_line_i(compare.line),
     .valid_i       (s1_valid),
     .slot_i        (s1.slot),
@@ -288,7 +270,7 @@ module ti_ra #(
   assign events_o.l1_merged = use_merge || (again && !use_miss);
   assign events_o.l1_misses = use_miss;
 
-  assign idle_o = !compared && !s1_valid && !s2_valid_q && answers_idle && rows_empty && !retries;
+  assign idle_o = steps_empty && !s2_valid_q && answers_idle && rows_empty && !retries;
 
   ti_ra_fill #(
     .LineBytes(LineBytes),
@@ -323,7 +305,7 @@ module ti_ra #(
     .flush_i,
     .lookup_en_i   (look_go),
     .lookup_set_i  ((Sets > 1) ? look.line[SetWidth-1:0] : '0),
-    .compare_en_i  (s1_ready),
+    .compare_en_i  (compare_en),
     .compare_line_i(compare.line),
     .line_i        (s1.line),
     .hit_o         (hit),

@@ -51,12 +51,12 @@ module ti_core_deal #(
   logic open_q, any, last;
   logic [CoreWidth-1:0] core_q, from_q, next_core, core;
   logic [DealtWidth-1:0] dealt_q;
-  logic [NumCores-1:0] roomy, push, queue_ready;
+  logic [NumCores-1:0] roomy_q, push, queue_ready;
 
   ti_round_robin #(
     .Num(NumCores)
   ) u_next (
-    .request_i(roomy),
+    .request_i(roomy_q),
     .from_i   (from_q),
     .any_o    (any),
     .index_o  (next_core)
@@ -83,13 +83,22 @@ module ti_core_deal #(
   for (genvar c = 0; c < NumCores; c++) begin : gen_core
     logic [CountWidth-1:0] held_q;
     logic leaves;
-    assign leaves   = core_valid_o[c] && core_ready_i[c];
-    assign roomy[c] = held_q <= CountWidth'(Depth - Tile);
+    assign leaves = core_valid_o[c] && core_ready_i[c];
 
+    // Roomy: a whole tile finds place beside what is held.
     always_ff @(`TI_CLK_RST) begin
-      if (!rst_ni) held_q <= '0;
-      else if (push[c] != leaves) held_q <= push[c] ? held_q + 1'b1 : held_q - 1'b1;
+      if (!rst_ni) begin
+        held_q     <= '0;
+        roomy_q[c] <= 1'b1;
+      end else if (push[c] && !leaves) begin
+        held_q     <= held_q + 1'b1;
+        roomy_q[c] <= held_q < CountWidth'(Depth - Tile);
+      end else if (leaves && !push[c]) begin
+        held_q     <= held_q - 1'b1;
+        roomy_q[c] <= held_q <= CountWidth'(Depth - Tile + 1);
+      end
     end
+    `TI_ASSERT(RoomyForATile, roomy_q[c] == (held_q <= CountWidth'(Depth - Tile)))
 
     ti_fifo #(
       .payload_t(ti_pkg::ray_t),

@@ -29,6 +29,7 @@ BAD = [
     *(("ti_regfile", {key: 0}, "Depth and RamBits must be 1") for key in ("Depth", "RamBits")),
     ("ti_round_robin", {"Num": 0}, "Num must be 1 or more"),
     ("ti_slot_pool", {"NumSlots": 1}, "NumSlots must be 2 or more"),
+    ("ti_credits", {"Num": 0}, "Num must be 1 or more"),
     ("ti_xbar", {"NumIn": 0}, "NumIn must be 1 or more"),
     ("ti_xbar", {"NumOut": 0}, "NumOut must be 1 or more"),
     *(

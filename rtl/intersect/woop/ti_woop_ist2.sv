@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 `include "ti_assert.svh"
-`include "ti_reset.svh"
 
 /// IST2 of Woop's triangle test: distance and barycentric coordinates of a test that is kept, on 4 ADD, 7 MUL and 1
 /// RCP.
@@ -43,7 +42,6 @@ module ti_woop_ist2 #(
   localparam int unsigned M = ti_num_pkg::FracBits;
   // A credit comes back one cycle after a beat has left the queue.
   localparam int unsigned Depth = Latency + 2;
-  localparam int unsigned CountWidth = $clog2(Depth + 1);
   typedef ti_pkg::fp_t fp_t;
 
   typedef struct packed {
@@ -52,17 +50,20 @@ module ti_woop_ist2 #(
     ti_pkg::prim_t prim;
   } who_t;
 
-  logic [CountWidth-1:0] credits_q;
   logic take, egress;
+  assign take   = candidate_valid_i && candidate_ready_o;
+  assign egress = return_valid_o && return_ready_i;
 
-  assign candidate_ready_o = credits_q != '0;
-  assign take              = candidate_valid_i && candidate_ready_o;
-  assign egress            = return_valid_o && return_ready_i;
-
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) credits_q <= CountWidth'(Depth);
-    else if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
-  end
+  ti_credits #(
+    .Num(Depth)
+  ) u_credits (
+    .clk_i,
+    .rst_ni,
+    .take_i(take),
+    .give_i(egress),
+    .any_o (candidate_ready_o),
+    .all_o (idle_o)
+  );
 
   ti_pkg::vec3_t weight, z;
   logic level_valid;
@@ -313,7 +314,6 @@ module ti_woop_ist2 #(
     .out_data_o (return_data_o)
   );
 
-  assign idle_o = credits_q == CountWidth'(Depth);
   always_comb begin
     events_o.activity = '0;
     if (take) events_o.activity.works = 1'b1;
@@ -327,7 +327,6 @@ module ti_woop_ist2 #(
   logic unused_valid;
   assign unused_valid = ^product_valid[2:1];
 
-  `TI_ASSERT(CreditsInRange, credits_q <= CountWidth'(Depth))
   `TI_ASSERT_KNOWN(CandidateReadyKnown, candidate_ready_o)
   `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 

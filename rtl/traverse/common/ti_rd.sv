@@ -54,7 +54,6 @@ module ti_rd #(
   output ti_count_pkg::rd_events_t events_o  // `room` where an output waits
 );
 
-  localparam int unsigned CountWidth = $clog2(Depth + 1);
   localparam int unsigned TileWidth = (DealTile > 1) ? $clog2(DealTile) : 1;
   localparam logic [1:0] LastStep = 2'(RayCycles - 1);
 
@@ -72,26 +71,34 @@ module ti_rd #(
   } clipped_t;
 
   // Rays come in, `RayCycles` cycles each.
-  logic take, hold_valid_q, last_step, egress;
+  logic take, hold_valid_q, last_step, egress, has_credit, empty;
   logic [1:0] step, step_q;
   ti_pkg::ray_t hold_q, ray;
-  logic [CountWidth-1:0] credits_q;
 
   assign step        = (RayCycles == 1) ? '0 : step_q;
   assign last_step   = step == LastStep;
-  assign ray_ready_o = credits_q != '0 && (!hold_valid_q || last_step);
+  assign ray_ready_o = has_credit && (!hold_valid_q || last_step);
   assign take        = ray_valid_i && ray_ready_o;
+
+  ti_credits #(
+    .Num(Depth)
+  ) u_credits (
+    .clk_i,
+    .rst_ni,
+    .take_i(take),
+    .give_i(egress),
+    .any_o (has_credit),
+    .all_o (empty)
+  );
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       hold_valid_q <= 1'b0;
       step_q       <= '0;
-      credits_q    <= CountWidth'(Depth);
     end else begin
       if (take) hold_valid_q <= 1'b1;
       else if (last_step) hold_valid_q <= 1'b0;
       if (hold_valid_q) step_q <= last_step ? '0 : step + 1'b1;
-      if (take != egress) credits_q <= take ? credits_q - 1'b1 : credits_q + 1'b1;
     end
   end
   always_ff @(posedge clk_i) if (take) hold_q <= ray_data_i;
@@ -308,7 +315,7 @@ module ti_rd #(
     events_o.activity = '0;
     if (hold_valid_q) events_o.activity.works = 1'b1;
     else if (all_valid && !egress) events_o.activity.room = 1'b1;
-    else if (credits_q != CountWidth'(Depth)) events_o.activity.latency = 1'b1;
+    else if (!empty) events_o.activity.latency = 1'b1;
     else events_o.activity.empty = 1'b1;
   end
 
