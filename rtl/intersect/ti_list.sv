@@ -68,7 +68,6 @@ module ti_list #(
   slot_t new_slot, rsp_slot, answer_slot_q;
   left_t left, left_next;  // of the slot that is answered, and as it is written
   left_t answer_left_q;  // the entry after the answer's, and how many there were with it
-  logic beyond, beyond_next;  // whether the entry is none of the lists
   word_addr_t next_word;
 
   assign leaf_ready_o = slot_free && !again;
@@ -114,18 +113,16 @@ module ti_list #(
   assign left_next = again ?
       '{position: answer_left_q.position, count: answer_left_q.count - 1'b1} :
       '{position: leaf_data_i.first, count: leaf_data_i.count};
-  assign beyond_next = again ? answer_left_q.position >= num_list_i :
-      leaf_data_i.first >= num_list_i;
   ti_regfile #(
     .Depth (NumSlots),
-    .word_t(logic [$bits(left_t):0])
+    .word_t(left_t)
   ) u_left (
     .clk_i,
     .read_addr_i (rsp_slot),
-    .read_data_o ({beyond, left}),
+    .read_data_o (left),
     .write_en_i  (write),
     .write_addr_i(write_slot),
-    .write_data_i({beyond_next, left_next})
+    .write_data_i(left_next)
   );
   ti_regfile #(
     .Depth (NumSlots),
@@ -191,7 +188,7 @@ module ti_list #(
     if (rsp_valid && rsp_ready) begin
       answer_slot_q   <= rsp_slot;
       answer_record_q <= ti_pkg::record_t'(rsp_id);
-      answer_error_q  <= rsp_error || beyond || rsp_id >= 32'(num_records_i);
+      answer_error_q  <= rsp_error || left.position >= num_list_i || rsp_id >= 32'(num_records_i);
       answer_last_q   <= left.count == 16'd1;
       answer_left_q   <= '{position: left.position + 1'b1, count: left.count};
     end
