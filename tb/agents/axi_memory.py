@@ -2,6 +2,7 @@
 """An AXI4 slave that holds images and answers reads of whole lines."""
 
 import cocotb
+from agents.handles import Handles
 from cocotb.triggers import ReadOnly, RisingEdge
 
 OKAY, EXOKAY, SLVERR, DECERR = range(4)
@@ -37,7 +38,7 @@ class AxiMemory:
         resp=lambda: OKAY,
         stalls=False,
     ):
-        self._dut, self._rng, self._stalls, self._index = dut, rng, stalls, port
+        self._dut, self._rng, self._stalls, self._index = Handles(dut), rng, stalls, port
         self.latency, self.ready, self.resp, self.last = latency, ready, resp, lambda: 1
         self.repeat = lambda: False
         self._line_bytes = len(self._port("rdata")) // 8
@@ -101,7 +102,10 @@ class AxiMemory:
     def _drive(self, name, value):
         if name in VECTORS:
             at = self._index or 0
-            INPUTS[name] = INPUTS.get(name, 0) & ~(1 << at) | int(value) << at
+            before = INPUTS.get(name)
+            INPUTS[name] = (before or 0) & ~(1 << at) | int(value) << at
+            if INPUTS[name] == before:
+                return
             value = INPUTS[name]
         self._port(name).value = value
 
@@ -111,9 +115,9 @@ class AxiMemory:
             self._answer(cycle)
             self._drive("arready", int(self.ready()))
             await ReadOnly()
-            if self._dut.rst_ni.value == 1:
+            if self._dut.rst_ni.value:
                 self._ask(cycle)
-                taken = self._value("rready") == 1
+                taken = bool(self._value("rready"))
                 assert taken or self._stalls, "answers are always taken"
                 if taken and self._shown is not None:
                     self.strays += not self._real

@@ -32,15 +32,15 @@ class BankRequesters(Requesters):
     def _put(self, ticket):
         unit, identity = ticket.slot
         line = ticket.addr // self.line_bytes
-        self._dut.req_unit_i.value = unit
-        self._dut.req_data_i.value = payloads().pack("line_req_t", id=identity, line=line)
+        self._inputs.drive("req_unit_i", unit)
+        self._inputs.drive("req_data_i", payloads().pack("line_req_t", id=identity, line=line))
 
     def _slot(self):
         answer = payloads().unpack("line_rsp_t", int(self._dut.rsp_data_o.value))
         return int(self._dut.rsp_unit_o.value), answer["id"]
 
     def _read_slot(self):
-        return self._slot() if self._dut.rsp_valid_o.value == 1 else None
+        return self._slot() if self._dut.rsp_valid_o.value else None
 
     def _answer(self):
         answer = payloads().unpack("line_rsp_t", int(self._dut.rsp_data_o.value))

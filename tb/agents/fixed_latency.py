@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drive a pipeline that has a `valid` and a fixed latency but never stalls."""
 
+from agents.handles import Handles, Inputs
 from cocotb.triggers import ReadOnly, RisingEdge
 
 
@@ -12,20 +13,21 @@ async def replay(dut, beats, *, gap=lambda: False, drain=64, read=None):
     many shows up as well.
     """
     read = read or (lambda: int(dut.result_o.value))
+    ports, inputs = Handles(dut), Inputs(dut)
     sent, got = [], []
     waiting = list(reversed(beats))
     cycle, last = 0, 0
     while waiting or cycle < last + drain:
         valid = bool(waiting) and not gap()
-        dut.valid_i.value = int(valid)
+        inputs.drive("valid_i", int(valid))
         if valid:
             for port, value in waiting.pop().items():
-                getattr(dut, port).value = value
+                inputs.drive(port, value)
             sent.append(cycle)
             last = cycle
         await ReadOnly()
-        if dut.valid_o.value == 1:
+        if ports.valid_o.value:
             got.append((cycle, read()))
-        await RisingEdge(dut.clk_i)
+        await RisingEdge(ports.clk_i)
         cycle += 1
     return sent, got

@@ -18,7 +18,7 @@ class Idle:
     """
 
     def __init__(self, dut, ins, outs):
-        self._dut = dut
+        self._dut, self._idle, self._clk = dut, dut.idle_o, dut.clk_i
         self._ends = [
             *((self._ports(name, "i", "o"), weight, 1) for name, weight in ins.items()),
             *((self._ports(name, "o", "i"), weight, -1) for name, weight in outs.items()),
@@ -33,10 +33,10 @@ class Idle:
     async def _run(self):
         while True:
             await ReadOnly()
-            idle = self._dut.idle_o.value == 1
+            idle = bool(self._idle.value)
             assert idle == (self.inside == 0), f"idle_o is {idle:d} with {self.inside} inside"
             for (valid, ready, data), weight, sign in self._ends:
-                if valid.value == 1 and ready.value == 1:
+                if valid.value and ready.value:
                     self.inside += sign * weight(int(data.value))
             assert self.inside >= 0, "more came out than went in"
-            await RisingEdge(self._dut.clk_i)
+            await RisingEdge(self._clk)

@@ -2,8 +2,10 @@
 """A memory of lines behind a port that asks for a line under an identity."""
 
 import random
+from functools import cache
 
 from agents.bench import cycle
+from agents.handles import Inputs
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.payload import payloads
 
@@ -13,6 +15,7 @@ RA_PORTS = {  # the streams of a line port and their types, as at a `ti_ra`
 }
 
 
+@cache
 def line_data(line, line_bytes):
     """The bytes of a line as an integer, byte 0 lowest; no two lines are alike."""
     return random.Random(line).getrandbits(8 * line_bytes)
@@ -31,18 +34,17 @@ class LineMemory:
     """
 
     def __init__(self, dut, line_bytes, rng, ports=RA_PORTS):
-        self._clk, self._rst = dut.clk_i, dut.rst_ni
+        self._clk, self._rst, self._inputs = dut.clk_i, dut.rst_ni, Inputs(dut)
         self._line_bytes = line_bytes
         self._rng = rng
         valid, ready, self._ask_type = ports["ask"]
         self._ask_valid, self._ask_data = (
             getattr(dut, valid.format(part)) for part in ("valid", "data")
         )
-        self._ask_ready = getattr(dut, ready.format("ready"))
+        self._ask_ready = ready.format("ready")
+        self._takes = False  # the level of it
         valid, ready, self._answer_type = ports["answer"]
-        self._answer_valid, self._answer_data = (
-            getattr(dut, valid.format(part)) for part in ("valid", "data")
-        )
+        self._answer_valid, self._answer_data = (valid.format(part) for part in ("valid", "data"))
         self._answer_ready = getattr(dut, ready.format("ready"))
         self.data = lambda line: line_data(line, line_bytes)
         self._waiting = []  # [cycle when due or None, identity, line]
@@ -91,9 +93,10 @@ class LineMemory:
         """Play the memory for ever."""
         while True:
             self._answer()
-            self._ask_ready.value = int(self.ready())
+            self._takes = bool(self.ready())
+            self._inputs.drive(self._ask_ready, int(self._takes))
             await ReadOnly()
-            if self._answer_ready.value == 1:
+            if self._answer_ready.value:
                 if self._shown is not None and self._answers is not None:
                     self.answered.append((cycle(), *self._answers))
                 self._shown = self._answers = None
@@ -103,8 +106,10 @@ class LineMemory:
     def _answer(self):
         if self._shown is not None:
             return
-        due = [entry for entry in self._waiting if entry[0] is not None and entry[0] <= cycle()]
-        self._answer_valid.value = self._again is not None or bool(due or self._strays)
+        now = cycle()
+        due = [entry for entry in self._waiting if entry[0] is not None and entry[0] <= now]
+        valid = self._again is not None or bool(due or self._strays)
+        self._inputs.drive(self._answer_valid, int(valid))
         if self._again is not None:
             self._show(self._again, self._rng.random() < 0.5, self._noise())
             self._again = None
@@ -130,19 +135,19 @@ class LineMemory:
             fields = {"client": port, "rsp": {"id": row, "error": int(error), "data": data}}
         else:
             fields = {"id": identity, "error": int(error), "data": data}
-        self._answer_data.value = payloads().pack(self._answer_type, fields)
+        self._inputs.drive(self._answer_data, payloads().pack(self._answer_type, fields))
 
     def _ask(self):
-        if self._rst.value == 0:
+        if not self._rst.value:
             self._stalled = None
             return
-        if self._ask_valid.value == 0:
+        if not self._ask_valid.value:
             assert self._stalled is None, "a request went away before it was taken"
             return
         bits = int(self._ask_data.value)
         assert self._stalled in (None, bits), "a request changed before it was taken"
         self._stalled = bits
-        if self._ask_ready.value == 0:
+        if not self._takes:
             return
         self._stalled = None
         request = payloads().unpack(self._ask_type, bits)

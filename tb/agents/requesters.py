@@ -5,6 +5,7 @@ from collections import Counter, deque
 from dataclasses import dataclass, field
 
 from agents.bench import cycle
+from agents.handles import Handles, Inputs
 from agents.memory import line_data
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.cache import Cache
@@ -50,7 +51,8 @@ class Requesters:
     """
 
     def __init__(self, dut, memory, rng):
-        self._dut, self._memory, self._rng = dut, memory, rng
+        self._dut, self._inputs = Handles(dut), Inputs(dut)
+        self._memory, self._rng = memory, rng
         self.rows, self.line_bytes = int(dut.Rows.value), configuration()["line_bytes"]
         self.num_slots, self.elem_bytes = self._shape()
         self.ways = int(dut.Ways.value)
@@ -66,6 +68,7 @@ class Requesters:
         self._in_flight = {}  # slot -> ticket, from taken to done
         self._rows = []
         self._shown = None
+        self._takes = False  # whether an answer is taken in this cycle
         fill_bytes = max(self.elem_bytes, min(configuration()["fill_bytes"], self.line_bytes))
         self.words = self.line_bytes // fill_bytes  # of a line, each stored in a cycle
         self._stood = 0  # cycles for which an answer of the memory has stood at the port
@@ -96,19 +99,18 @@ class Requesters:
         idle, before = 0, None
         while not condition():
             await RisingEdge(self._dut.clk_i)
-            state = (self._progress(), len(self._in_flight), len(self._wishes))
-            idle = 0 if state != before else idle + 1
-            before = state
+            moves = self.counts["taken"] + self.counts["done"]
+            idle = 0 if moves != before else idle + 1
+            before = moves
             assert idle < patience, f"stuck: {len(self._in_flight)} in flight, {self.counts}"
 
-    def _progress(self):
-        return sum(self.counts.values())
-
     async def done(self, tickets, patience=5000):
-        await self.until(lambda: all(t.done is not None for t in tickets), patience)
+        for ticket in tickets:
+            await self.until(lambda ticket=ticket: ticket.done is not None, patience)
 
     async def decided(self, tickets, patience=5000):
-        await self.until(lambda: all(t.kind is not None for t in tickets), patience)
+        for ticket in tickets:
+            await self.until(lambda ticket=ticket: ticket.kind is not None, patience)
 
     async def flush(self):
         """Have the unit, which is idle, forget all lines."""
@@ -147,34 +149,34 @@ class Requesters:
             await RisingEdge(self._dut.clk_i)
 
     def _drive(self):
-        dut = self._dut
         if self._offer is None and self._wishes and self._free and not self.gap():
             self._offer = self._wishes.popleft()
             self._offer.slot = self._rng.choice(sorted(self._free))
-        dut.req_valid_i.value = self._offer is not None
-        if self._offer is not None:
             self._put(self._offer)
-        dut.rsp_ready_i.value = int(self.ready())
+        self._inputs.drive("req_valid_i", int(self._offer is not None))
+        self._takes = bool(self.ready())
+        self._inputs.drive("rsp_ready_i", int(self._takes))
 
     def _see_state(self):
         """What the registers say of the cycles before this one."""
-        dut = self._dut
-        assert dut.idle_o.value == (not self._in_flight), f"{len(self._in_flight)} in flight"
-        on_their_way = [row for row in self._rows if row.answered is None]
+        idle = bool(self._dut.idle_o.value)
+        assert idle == (not self._in_flight), f"{len(self._in_flight)} in flight"
         waits = self._says_it_waits()
-        assert waits in (None, bool(on_their_way)), f"{len(on_their_way)} lines on their way"
+        on_their_way = any(row.answered is None for row in self._rows)
+        assert waits in (None, on_their_way), f"lines on their way: {on_their_way}"
         self._see_port()
 
     def _see_port(self):
         """An answer is taken in as many cycles as it has words, whatever else happens."""
-        if self._dut.line_rsp_valid_i.value == 1:
+        if self._dut.line_rsp_valid_i.value:
             self._stood += 1
             last = self._stood == self.words
-            assert self._dut.line_rsp_ready_o.value == last, f"word {self._stood} of an answer"
+            taken = bool(self._dut.line_rsp_ready_o.value)
+            assert taken == last, f"word {self._stood} of an answer"
             self._stood %= self.words
 
     def _see_request(self):
-        if self._offer is not None and self._dut.req_ready_o.value == 1:
+        if self._offer is not None and self._dut.req_ready_o.value:
             ticket, self._offer = self._offer, None
             ticket.taken = cycle()
             self.counts["taken"] += 1
@@ -223,8 +225,7 @@ class Requesters:
             self._first_read(ticket)
 
     def _see_response(self):
-        dut = self._dut
-        if dut.rsp_valid_o.value == 0:
+        if not self._dut.rsp_valid_o.value:
             assert self._shown is None, "an answer went away before it was taken"
             return
         slot = self._slot()
@@ -234,7 +235,7 @@ class Requesters:
         if self._shown is None:
             self._shown, ticket.shown = ticket, cycle()
         self._check(ticket)
-        if dut.rsp_ready_i.value == 1:
+        if self._takes:
             ticket.done, self._shown = cycle(), None
             self.counts["done"] += 1
             del self._in_flight[slot]
@@ -275,19 +276,19 @@ class Requesters:
         return line
 
     def _put(self, ticket):
-        self._dut.req_slot_i.value = ticket.slot
-        self._dut.req_addr_i.value = ticket.addr
+        self._inputs.drive("req_slot_i", ticket.slot)
+        self._inputs.drive("req_addr_i", ticket.addr)
 
     def _slot(self):
         return int(self._dut.rsp_slot_o.value)
 
     def _read_slot(self):
         """Whose answer has been read from the line store; behind it there may be a queue."""
-        return int(self._dut.s2_slot_q.value) if self._dut.s2_valid_q.value == 1 else None
+        return int(self._dut.s2_slot_q.value) if self._dut.s2_valid_q.value else None
 
     def _answer(self):
         """Error and bytes of the answer at the port; the bytes may be anything with an error."""
-        return self._dut.rsp_error_o.value == 1, int(self._dut.rsp_elem_o.value)
+        return bool(self._dut.rsp_error_o.value), int(self._dut.rsp_elem_o.value)
 
     def _events(self):
         """Whether a request is decided in this cycle, and the events of that."""
@@ -296,7 +297,7 @@ class Requesters:
 
     def _says_it_waits(self):
         """Whether the unit says that it waits for a line; None: it does not say."""
-        return self._dut.waits_o.value == 1
+        return bool(self._dut.waits_o.value)
 
 
 class Retriers(Requesters):
@@ -309,9 +310,6 @@ class Retriers(Requesters):
     def __init__(self, dut, memory, rng):
         super().__init__(dut, memory, rng)
         self.looks = self.refused = 0
-
-    def _progress(self):
-        return self.counts["taken"] + self.counts["done"]  # rays that look again get nowhere
 
     def _see_request(self):
         super()._see_request()

@@ -30,6 +30,74 @@ def clog2(value):
     return max(value - 1, 0).bit_length()
 
 
+class Bits:
+    """An integer of `width` bits."""
+
+    def __init__(self, width):
+        self.width = width
+
+    def pack(self, value, name):
+        assert 0 <= value < 1 << self.width, f"{name}: {value:#x} does not fit in {self.width} bits"
+        return value
+
+    def unpack(self, bits):
+        return bits
+
+
+class Array:
+    """`count` elements, [0] lowest."""
+
+    def __init__(self, count, element):
+        self.width = count * element.width
+        self._element = element
+        self._lows = range(0, self.width, element.width)
+        self._mask = (1 << element.width) - 1
+
+    def pack(self, values, name):
+        values = values or (0,) * len(self._lows)
+        assert len(values) == len(self._lows), (
+            f"{name} has {len(self._lows)} elements, not {len(values)}"
+        )
+        pairs = zip(values, self._lows, strict=True)
+        return sum(self._element.pack(value, name) << low for value, low in pairs)
+
+    def unpack(self, bits):
+        return tuple(self._element.unpack(bits >> low & self._mask) for low in self._lows)
+
+
+class Struct:
+    """Fields by name, the highest first."""
+
+    def __init__(self, fields):
+        self.width = sum(kind.width for kind in fields.values())
+        self._places, top = {}, self.width  # name -> lowest bit, mask, type
+        for name, kind in fields.items():
+            top -= kind.width
+            self._places[name] = top, (1 << kind.width) - 1, kind
+
+    def names(self):
+        names = []
+        for name, (_, _, kind) in reversed(self._places.items()):
+            names += kind.names() if isinstance(kind, Struct) else [name]
+        return names
+
+    def pack(self, values, name):
+        values = values or {}
+        unknown = values.keys() - self._places.keys()
+        assert not unknown, f"{name} has no field {', '.join(sorted(unknown))}"
+        bits = 0
+        for field, value in values.items():
+            low, _, kind = self._places[field]
+            bits |= kind.pack(value, field) << low
+        return bits
+
+    def unpack(self, bits):
+        return {
+            field: kind.unpack(bits >> low & mask)
+            for field, (low, mask, kind) in self._places.items()
+        }
+
+
 class Payloads:
     """The structs of all packages for one configuration, a dict of the keys in `configs/`."""
 
@@ -47,7 +115,7 @@ class Payloads:
             elif array := re.fullmatch(r"'\{([^{}]+)\}", expression):
                 parts = array[1].split(",")
                 self._constants[name] = [self._evaluate(part) for part in parts]
-        self._types = {"logic": 1}
+        self._types = {"logic": Bits(1)}
         for match in TYPEDEF.finditer(text):
             self._types[match["name"]] = self._type_of(match)
 
@@ -58,39 +126,42 @@ class Payloads:
         return tuple(self._constants[name] for name in names)
 
     def width(self, name):
-        return _width(self._types[name])
+        return self._types[name].width
+
+    def names(self, name):
+        """Names of the fields of a struct, from the lowest up; its structs are entered."""
+        return self._types[name].names()
 
     def pack(self, name, values=None, **fields):
         """The bits of a struct, from a dict or keywords."""
-        return _pack(self._types[name], {**(values or {}), **fields}, name)
+        return self._types[name].pack({**(values or {}), **fields}, name)
 
     def pack_vec(self, vec):
-        return _pack(self._types["vec3_t"], vec, "vec3_t")
+        return self._types["vec3_t"].pack(vec, "vec3_t")
 
     def unpack_vec(self, bits):
-        return _unpack(self._types["vec3_t"], bits)
+        return self._types["vec3_t"].unpack(bits)
 
     def unpack(self, name, bits):
-        return _unpack(self._types[name], bits)
+        return self._types[name].unpack(bits)
 
     def _type_of(self, match):
         if match["fields"] is None:
-            base = self._types[_plain(match["base"])] if match["base"] else 1
+            base = self._types[_plain(match["base"])] if match["base"] else Bits(1)
             return self._array(base, match["enum"] or match["range"])
         fields = {}
         for line in match["fields"].split(";"):
             if line.strip():
                 base, extent, name = FIELD.match(line).groups()
                 fields[name] = self._array(self._types[_plain(base)], extent)
-        return fields
+        return Struct(fields)
 
     def _array(self, base, extent):
-        """A type: a width, a dict of fields (the highest first), or (count, type of an element)."""
         if not extent:
             return base
         high, low = (self._evaluate(part) for part in extent.strip("[] ").split(":"))
         count = high - low + 1
-        return count if base == 1 else (count, base)
+        return Bits(count) if base.width == 1 else Array(count, base)
 
     def _evaluate(self, expression):
         text = re.sub(r"\w+::", "", expression).replace("$clog2", "clog2").replace("&&", "and")
@@ -144,43 +215,3 @@ def _plain(name):
 
 def _camel(key):
     return "".join(word.capitalize() for word in key.split("_"))
-
-
-def _width(kind):
-    if isinstance(kind, dict):
-        return sum(_width(field) for field in kind.values())
-    if isinstance(kind, tuple):
-        return kind[0] * _width(kind[1])
-    return kind
-
-
-def _pack(kind, value, name):
-    if isinstance(kind, dict):
-        value = value or {}
-        unknown = set(value) - set(kind)
-        assert not unknown, f"{name} has no field {', '.join(sorted(unknown))}"
-        bits = 0
-        for field, field_kind in kind.items():
-            bits = bits << _width(field_kind) | _pack(field_kind, value.get(field, 0), field)
-        return bits
-    if isinstance(kind, tuple):
-        count, element = kind
-        values = value or (0,) * count
-        assert len(values) == count, f"{name} has {count} elements, not {len(values)}"
-        return sum(_pack(element, v, name) << i * _width(element) for i, v in enumerate(values))
-    assert 0 <= value < 1 << kind, f"{name}: {value:#x} does not fit in {kind} bits"
-    return value
-
-
-def _unpack(kind, bits):
-    if isinstance(kind, dict):
-        fields = {}
-        for field, field_kind in reversed(kind.items()):
-            fields[field] = _unpack(field_kind, bits & ((1 << _width(field_kind)) - 1))
-            bits >>= _width(field_kind)
-        return dict(reversed(fields.items()))
-    if isinstance(kind, tuple):
-        count, element = kind
-        width = _width(element)
-        return tuple(_unpack(element, bits >> i * width & ((1 << width) - 1)) for i in range(count))
-    return bits
