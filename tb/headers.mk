@@ -16,11 +16,12 @@ VM_TRACE_VCD := 0
 VM_USER_CFLAGS := $(MODEL_FLAGS)
 include $(VERILATOR_ROOT)/include/verilated.mk
 
-# Bytes that depend on nothing but the headers, so that ccache knows them again.
+# Bytes that depend on nothing but the headers and where they are, so that ccache knows them again.
 clang_flags := -fpch-instantiate-templates -Xclang -fno-pch-timestamp
 
 headers.h:
 	printf '#include "%s"\n' verilated.h verilated_cov.h verilated_dpi.h >$@
 
+# The result names headers.h by the path that it is given here.
 headers.h.gch: headers.h $(wildcard $(VERILATOR_ROOT)/include/*.h)
-	$(OBJCACHE) $(CXX) $(OPT_FAST) $(CXXFLAGS) $(CPPFLAGS) $(CFG_CXXFLAGS_PCH) $(if $(findstring clang,$(CXX)),$(clang_flags)) $< -o $@
+	$(OBJCACHE) $(CXX) $(OPT_FAST) $(CXXFLAGS) $(CPPFLAGS) $(CFG_CXXFLAGS_PCH) $(if $(findstring clang,$(CXX)),$(clang_flags)) $(abspath $<) -o $@

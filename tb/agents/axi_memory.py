@@ -10,6 +10,8 @@ INCR = 1
 VECTORS = ("arvalid", "arready", "arlock", "rvalid", "rready", "rlast")  # one bit a core
 INPUTS = {}  # what all ports together drive onto those
 AR = ("id", "addr", "len", "size", "burst", "lock", "cache", "prot", "qos")
+SIGNALS = ("arvalid", "arready", *(f"ar{name}" for name in AR))
+SIGNALS += ("rvalid", "rready", "rid", "rdata", "rresp", "rlast")
 BUFFERABLE = 0b0011  # normal, non-cacheable
 
 
@@ -41,7 +43,8 @@ class AxiMemory:
         self._dut, self._rng, self._stalls, self._index = Handles(dut), rng, stalls, port
         self.latency, self.ready, self.resp, self.last = latency, ready, resp, lambda: 1
         self.repeat = lambda: False
-        self._line_bytes = len(self._port("rdata")) // 8
+        self._ports = {name: self._port(name) for name in SIGNALS}
+        self._line_bytes = len(self._ports["rdata"]) // 8
         self._images = []  # (base, bytes)
         self._waiting = []  # (cycle when due, identity, address)
         self._strays = []  # identities
@@ -96,7 +99,7 @@ class AxiMemory:
         return handle if self._index is None or name in VECTORS else handle[self._index]
 
     def _value(self, name):
-        value = int(self._port(name).value)
+        value = int(self._ports[name].value)
         return value >> (self._index or 0) & 1 if name in VECTORS else value
 
     def _drive(self, name, value):
@@ -107,7 +110,7 @@ class AxiMemory:
             if INPUTS[name] == before:
                 return
             value = INPUTS[name]
-        self._port(name).value = value
+        self._ports[name].value = value
 
     async def _run(self):
         cycle = 0

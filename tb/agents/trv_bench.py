@@ -6,6 +6,7 @@ import struct
 import cocotb
 from agents.bench import start
 from agents.events import Events
+from agents.handles import Handles
 from agents.idle import Idle, one
 from agents.image_memory import ImageMemory
 from agents.stream import Sink, Source
@@ -24,18 +25,15 @@ class Steps:
 
     def __init__(self, dut):
         self.nodes, self.rays_of_slot = {}, {}
-        self._dut = dut
-        cocotb.start_soon(self._run())
+        cocotb.start_soon(self._run(Handles(dut), Handles(dut.u_walk)))
 
-    async def _run(self):
-        dut = self._dut
+    async def _run(self, dut, walk):
         while True:
             await ReadOnly()
-            walk = dut.u_walk
-            if walk.end_valid.value == 1:
+            if walk.end_valid.value:
                 ray_id = self.rays_of_slot[int(walk.end_slot.value)][-1]
                 self.nodes[ray_id].append(int(walk.end_index.value))
-            if dut.start.value == 1:
+            if dut.start.value:
                 beat = payloads().unpack("dispatch_t", int(dut.dispatch_data_i.value))
                 ray_id = beat["ray_id"]
                 self.rays_of_slot.setdefault(int(dut.new_slot.value), []).append(ray_id)
@@ -47,15 +45,16 @@ class Room:
     """Sees that a ray is taken in every cycle in which a slot is free, and in no other."""
 
     def __init__(self, dut):
-        cocotb.start_soon(self._run(dut))
+        cocotb.start_soon(self._run(Handles(dut)))
 
     async def _run(self, dut):
         free = int(dut.NumSlots.value)
         while True:
             await ReadOnly()
-            assert dut.dispatch_ready_o.value == (free > 0), f"{free} slots free"
-            free -= dut.dispatch_valid_i.value == 1 and dut.dispatch_ready_o.value == 1
-            free += dut.hit_valid_o.value == 1 and dut.hit_ready_i.value == 1
+            ready = bool(dut.dispatch_ready_o.value)
+            assert ready == (free > 0), f"{free} slots free"
+            free -= ready and bool(dut.dispatch_valid_i.value)
+            free += bool(dut.hit_valid_o.value) and bool(dut.hit_ready_i.value)
             await RisingEdge(dut.clk_i)
 
 

@@ -23,12 +23,12 @@ def render(out, config, engine="model", **variables):
     )
 
 
-def base_of(folder, words):
-    """A name of a configuration, or the file of one that is `small` but for that key."""
+def base_of(folder, words, like="small"):
+    """A name of a configuration, or the file of one that is `like` but for that key."""
     if ":" not in words:
         return words
     path = folder / "base.yaml"
-    path.write_text((ROOT / "configs/small.yaml").read_text() + f"{words}\n")
+    path.write_text((ROOT / f"configs/{like}.yaml").read_text() + f"{words}\n")
     return path
 
 
@@ -68,7 +68,7 @@ def test_the_machine_of_a_picture_has_its_keys_and_gives_its_hits(tmp_path, vari
 @pytest.mark.parametrize("effects", ["auto", "none"])
 def test_the_rtl_of_a_picture_gives_the_hits_of_the_base(tmp_path, effects):
     """A base whose stack the tree of the box just fills, so that all keys are taken."""
-    base = base_of(tmp_path, "stack_depth: 16")
+    base = base_of(tmp_path, "stack_depth: 16", like="tiny")
     auto = render(tmp_path / "auto", "auto", "rtl", EFFECTS=effects, BASE=base).good()
     plain = render(tmp_path / "plain", base, "rtl", EFFECTS=effects).good()
 

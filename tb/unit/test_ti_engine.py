@@ -37,7 +37,7 @@ async def every_ray_comes_back_once_with_the_hit_of_the_model(dut, p_valid, p_re
     )
     bench.put_scene(soup(rng, 120))
     odd = [bench.ray(given, rng.getrandbits(1)) for given in (*bad_rays(), *parallel_rays())]
-    rays = [*bench.rays(200), *rng.sample(odd, 50)]
+    rays = [*bench.rays(90), *rng.sample(odd, 30)]
     rng.shuffle(rays)
 
     hits = await bench.trace(rays, p_valid, lambda: rng.random() < p_ready)
@@ -69,7 +69,7 @@ async def a_memory_that_takes_no_request_for_long_only_delays(dut):
     awake = [False]
     bench = Bench(dut, rng, ready=lambda: awake[0])
     bench.put_scene(soup(rng, 60))
-    rays = list(bench.rays(100))
+    rays = list(bench.rays(40))
 
     async def wake():
         await ClockCycles(dut.clk_i, 3000)
@@ -92,7 +92,7 @@ async def an_error_response_ends_the_rays_that_need_the_line_and_no_other(dut, s
         resp=lambda: rng.choice((SLVERR, DECERR)) if rng.random() < share_now[0] else OKAY,
     )
     bench.put_scene(soup(rng, 120))
-    rays = list(bench.rays(300))
+    rays = list(bench.rays(120))
 
     hits = await bench.trace(rays, 0.8, lambda: rng.random() < 0.6)
 
@@ -113,7 +113,7 @@ async def an_error_response_ends_the_rays_that_need_the_line_and_no_other(dut, s
         )
 
     share_now[0] = 0.0  # nothing of a bad answer may stay
-    again = [bench.ray({k: given[k] for k in ("o", "d", "tmin", "tmax")}) for given in rays[:100]]
+    again = [bench.ray({k: given[k] for k in ("o", "d", "tmin", "tmax")}) for given in rays[:40]]
     bench.check(again, await bench.trace(again))
 
 
@@ -166,7 +166,7 @@ async def a_reset_in_the_middle_of_traffic_forgets_all_of_it(dut, after):
     assert bench.in_flight() == 0 and dut.idle_o.value == 1
 
     bench.put_scene(soup(rng, 120))
-    rays = list(bench.rays(150))
+    rays = list(bench.rays(50))
     bench.check(rays, await bench.trace(rays))
 
 
@@ -210,7 +210,7 @@ async def a_flush_waits_for_rays_and_makes_another_scene_at_the_same_place_seen(
     bench = Bench(dut, rng, latency=lambda: rng.randint(1, 40))
     for _ in range(4):
         bench.put_scene(soup(rng, 40))
-        rays = list(bench.rays(100))
+        rays = list(bench.rays(40))
         sending = bench.send(rays)
         hits = cocotb.start_soon(bench.collect(rays, lambda: rng.random() < 0.5))
         for task in sending:

@@ -74,7 +74,7 @@ async def gives_the_right_bytes_for_every_pattern(dut, name, stalls):
     if stalls == "slow memory":
         memory.latency = lambda line: rng.choice([3, 40])
 
-    await slots.done(slots.ask(pattern(name, slots, rng, 300)))
+    await slots.done(slots.ask(pattern(name, slots, rng, 120)))
 
     slots.finish()
 
@@ -82,7 +82,7 @@ async def gives_the_right_bytes_for_every_pattern(dut, name, stalls):
 @cocotb.test()
 async def survives_a_long_mix_of_patterns_and_stalls(dut):
     rng, memory, slots = await begin(dut)
-    for _ in range(20):
+    for _ in range(12):
         most, p_error, p_line = rng.choice([1, 6, 60]), rng.choice([0.0, 0.1]), rng.random()
         p_gap, p_ready = rng.choice([0.0, 0.5]), rng.choice([0.1, 0.8, 1.0])
         memory.latency = lambda line, most=most: rng.randint(1, most)
@@ -90,7 +90,7 @@ async def survives_a_long_mix_of_patterns_and_stalls(dut):
         memory.ready = lambda p=p_line: rng.random() < max(p, 0.1)
         slots.gap = lambda p=p_gap: rng.random() < p
         slots.ready = lambda p=p_ready: rng.random() < p
-        tickets = slots.ask(pattern(rng.choice(PATTERNS), slots, rng, 150))
+        tickets = slots.ask(pattern(rng.choice(PATTERNS), slots, rng, 60))
         await slots.decided(tickets)  # the next phase meets what is still in flight
     await slots.done(tickets)
 
@@ -240,7 +240,7 @@ async def survives_flushes_between_mixes_of_patterns(dut):
     memory.latency = lambda line: rng.randrange(1, 12)
     memory.error = lambda line: rng.random() < 0.1
     slots.ready = lambda: rng.random() < 0.7
-    for _ in range(20):
+    for _ in range(10):
         await slots.done(slots.ask(pattern(rng.choice(PATTERNS), slots, rng, 40)))
         await slots.flush()
     slots.finish()

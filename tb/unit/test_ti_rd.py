@@ -114,8 +114,8 @@ async def all_of(dut, rng, rays, homes, events, p_valid=1.0, p_ready=1.0):
 async def every_ray_leaves_once_and_in_order(dut, p_valid, p_ready, busy):
     """Misses and deals each in the order of the rays, whatever stalls."""
     rng, homes, events = await setup(dut, busy=lambda rng: lambda: rng.randint(0, busy))
-    rays = [random_ray(rng) for _ in range(300)]
-    rays += [given for _, _, given in rng.sample(list(setup_cases(rng, 0)), 300)]
+    rays = [random_ray(rng) for _ in range(100)]
+    rays += [given for _, _, given in rng.sample(list(setup_cases(rng, 0)), 120)]
     rng.shuffle(rays)
 
     await all_of(dut, rng, rays, homes, events, p_valid, p_ready)
@@ -131,13 +131,17 @@ async def hits_and_misses_leave_in_one_order(dut):
     cocotb.start_soon(Source(dut, "ray").send(rays))
 
     order = []
-    for _ in range(200 * 40):
+    idle = 0  # cycles since the last one left; longer than any waits for a home
+    while idle < 300:
         await ReadOnly()
-        if dut.hit_valid_o.value == 1:
+        idle += 1
+        if dut.hit_valid_o.value:
             order.append(payloads().unpack("hit_t", int(dut.hit_data_o.value))["ray_id"])
+            idle = 0
         elif int(dut.dispatch_valid_o.value):
             beat = payloads().unpack("dispatch_t", int(dut.dispatch_data_o.value))
             order.append(beat["ray_id"])
+            idle = 0
         await RisingEdge(dut.clk_i)
 
     assert order == list(range(200))

@@ -63,7 +63,8 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
         ready=lambda: rng.random() < p,
     )
     LeafTests(dut, scene, rng, ready=lambda: rng.random() < p, gap=stalls(rng, 1 - p))
-    count = min(15 * int(dut.NumSlots.value), 150)
+    slots = int(dut.NumSlots.value)
+    count = min(15 * slots, 60 + 2 * slots)
     rays = [r for r in random_rays(rng, count) if dispatch(scene, r) is not None]
     beats = [dispatch(scene, r, i, i % 3 == 0) for i, r in enumerate(rays)]
 
@@ -88,7 +89,7 @@ async def every_ray_takes_the_steps_of_the_model(dut, p, latency, size):
         or int(dut.StackDepth.value) > 4
     )
     assert all(len(r) > 1 for r in steps.rays_of_slot.values())
-    assert len(steps.rays_of_slot) == int(dut.NumSlots.value)
+    assert len(steps.rays_of_slot) == slots
 
 
 def scene_of_stack(rng, depth, size):

@@ -141,7 +141,7 @@ async def a_filled_row_waits_for_others_only_once(dut, rays_a_line, latency):
     for line in memory.held():
         memory.release(line)
     memory.latency = lambda line: latency
-    stream = slots.ask([slots.any_addr(rows + i // rays_a_line) for i in range(400)])
+    stream = slots.ask([slots.any_addr(rows + i // rays_a_line) for i in range(200)])
     await slots.done(first + stream)
 
     for ticket in first + stream:

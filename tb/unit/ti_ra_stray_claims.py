@@ -17,9 +17,9 @@ async def drops_answers_under_ids_that_no_row_has(dut):
     memory.latency = lambda line: rng.randrange(1, 12)
     unknown = range(slots.rows, 1 << payloads().width("row_id_t"))
     for name in PATTERNS:
-        for _ in range(100):
+        for _ in range(40):
             memory.stray(rng.choice(unknown))
-        await slots.done(slots.ask(pattern(name, slots, rng, 200)))
+        await slots.done(slots.ask(pattern(name, slots, rng, 80)))
     await slots.until(lambda: not memory.strays_left(), patience=5000 * slots.words)
     slots.finish()
 
@@ -84,6 +84,6 @@ async def drops_second_answers_in_traffic(dut, name):
     memory.repeat = lambda: rng.random() < 0.5
     slots.ready = lambda: rng.random() < 0.7
 
-    await slots.done(slots.ask(pattern(name, slots, rng, 300)))
+    await slots.done(slots.ask(pattern(name, slots, rng, 120)))
 
     slots.finish()
