@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from agents.bench import cycle
+from agents.handles import Handles, Inputs
 from agents.memory import line_data
 from cocotb.triggers import ReadOnly, RisingEdge
 from models.payload import configuration, payloads
@@ -31,7 +32,8 @@ class LinePorts:
     """
 
     def __init__(self, dut, rng, ids=None):
-        self._dut, self._rng = dut, rng
+        self._dut, self._inputs, self._rng = Handles(dut), Inputs(dut), rng
+        self._data = [dut.line_req_data_i[unit] for unit in range(len(dut.line_req_valid_i))]
         self._line_bytes = configuration()["line_bytes"]
         self.num = len(dut.line_req_valid_i)
         self.lines = 1 << payloads().width("line_addr_t")
@@ -88,8 +90,9 @@ class LinePorts:
             self._drive(ready)
             await ReadOnly()
             self.see()
+            valid = int(self._dut.line_rsp_valid_o.value)
             for unit in range(self.num):
-                self._see_answer(unit, ready[unit])
+                self._see_answer(unit, valid >> unit & 1, ready[unit])
             self._see_requests()
             await RisingEdge(self._dut.clk_i)
 
@@ -100,15 +103,12 @@ class LinePorts:
                 if self.gap():
                     continue
                 self.left[unit] -= 1
-                self._offer[unit] = self._request(unit)
-            if self._offer[unit] is not None:
-                identity, line = self._offer[unit]
-                valid |= 1 << unit
-                self._dut.line_req_data_i[unit].value = payloads().pack(
-                    "line_req_t", id=identity, line=line
-                )
-        self._dut.line_req_valid_i.value = valid
-        self._dut.line_rsp_ready_i.value = sum(bit << unit for unit, bit in enumerate(ready))
+                identity, line = self._offer[unit] = self._request(unit)
+                self._data[unit].value = payloads().pack("line_req_t", id=identity, line=line)
+            valid |= (self._offer[unit] is not None) << unit
+        self._inputs.drive("line_req_valid_i", valid)
+        levels = sum(bit << unit for unit, bit in enumerate(ready))
+        self._inputs.drive("line_rsp_ready_i", levels)
 
     def _request(self, unit):
         line = self.line(unit)
@@ -138,8 +138,8 @@ class LinePorts:
             elif self._offer[unit] is not None:
                 self._waited[unit] += len(taken)
 
-    def _see_answer(self, unit, ready):
-        if int(self._dut.line_rsp_valid_o.value) >> unit & 1 == 0:
+    def _see_answer(self, unit, valid, ready):
+        if not valid:
             assert self._shown[unit] is None, f"unit {unit}: an answer went away"
             return
         bits = int(self._dut.line_rsp_data_o[unit].value)

@@ -129,7 +129,7 @@ async def answers_each_ray_once_as_the_model_does(dut, p, latency, size):
     """Rays that meet the box and others, some that cannot be traced; hits and events."""
     rng = await start(dut)
     bench = Bench(dut, rng, p, latency, size)
-    rays = [*random_rays(rng, 120), *(random_ray(rng) for _ in range(60))]
+    rays = [*random_rays(rng, 70), *(random_ray(rng) for _ in range(50))]
     rng.shuffle(rays)
 
     hits = await bench.all_hits(rays)
