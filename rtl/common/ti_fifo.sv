@@ -47,7 +47,8 @@ module ti_fifo #(
     localparam int unsigned PointerWidth = (Behind > 1) ? $clog2(Behind) : 1;
     localparam int unsigned CountWidth = $clog2(Depth);
 
-    // Beats behind the register; `waits_q` when there is one, `full_q` when there are all.
+    // Beats behind the register; `waits_q` when there is one, `full_q` when there are all.  A beat that goes into the
+    // register is written too, where the next one will be: no memory waits for `out_ready_i`.
     logic [PointerWidth-1:0] head_q, tail_q;
     logic [CountWidth-1:0] behind_q;
     logic waits_q, write, read;
@@ -88,7 +89,7 @@ module ti_fifo #(
       .clk_i,
       .read_addr_i (head_q),
       .read_data_o (oldest),
-      .write_en_i  (write),
+      .write_en_i  (push),
       .write_addr_i(tail_q),
       .write_data_i(in_data_i)
     );

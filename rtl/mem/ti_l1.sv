@@ -157,20 +157,31 @@ module ti_l1 #(
     `TI_ASSERT(UsedAsTheNextIsCompared, touch_i || alloc_i |-> compare_en_i)
   end
 
-  // What a use changes is written a cycle later: the bits of all sets are far away.
+  // What a use or an arrived line changes is written a cycle later: the bits of all sets are far away.
   logic update_q, update_alloc_q, update_again;
   logic [SetWidth-1:0] update_set_q;
   logic [WayWidth-1:0] update_way_q;
   logic [TreeNodes-1:0] update_tree_q, tree_after;
+  logic filled_q, filled_good_q;
+  logic [SetWidth-1:0] filled_set_q;
+  logic [WayWidth-1:0] filled_way_q;
   always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) update_q <= 1'b0;
-    else update_q <= touch_i || alloc_i;
+    if (!rst_ni) begin
+      update_q <= 1'b0;
+      filled_q <= 1'b0;
+    end else begin
+      update_q <= touch_i || alloc_i;
+      filled_q <= fill_i;
+    end
   end
   always_ff @(posedge clk_i) begin
     update_alloc_q <= alloc_i;
     update_set_q   <= set;
     update_way_q   <= victim_way_o;
     update_tree_q  <= tree_after;
+    filled_good_q  <= fill_good_i;
+    filled_set_q   <= fill_set_i;
+    filled_way_q   <= fill_way_i;
   end
   assign update_again = update_q && update_set_q == next_set;
 
@@ -184,14 +195,15 @@ module ti_l1 #(
     end
   end
   for (genvar w = 0; w < Ways; w++) begin : gen_set
-    logic fills, unpins, reserved;
+    logic fills, unpins, reserved, filled, valid;
     assign fills = fill_i && fill_way_i == WayWidth'(w);
     assign unpins = unpin_i && unpin_way_i == WayWidth'(w);
     assign reserved = taken[w] || (update_again && update_alloc_q && update_way_q == WayWidth'(w));
+    assign filled = filled_q && filled_set_q == next_set && filled_way_q == WayWidth'(w);
+    assign valid = filled ? filled_good_q : valid_q[next_set][w];
     always_ff @(posedge clk_i) begin
       if (next_en) begin
-        set_valid_q[w] <= (fills && fill_set_i == next_set) ? fill_good_i :
-            valid_q[next_set][w] && !reserved;
+        set_valid_q[w] <= (fills && fill_set_i == next_set) ? fill_good_i : valid && !reserved;
         set_pinned_q[w] <= reserved ||
             (pinned_q[next_set][w] && !(unpins && unpin_set_i == next_set));
       end else begin
@@ -260,7 +272,7 @@ module ti_l1 #(
         valid_q[update_set_q][update_way_q]  <= 1'b0;
         pinned_q[update_set_q][update_way_q] <= 1'b1;
       end
-      if (fill_i) valid_q[fill_set_i][fill_way_i] <= fill_good_i;
+      if (filled_q) valid_q[filled_set_q][filled_way_q] <= filled_good_q;
       if (unpin_i) pinned_q[unpin_set_i][unpin_way_i] <= 1'b0;
       if (flush_i) begin
         for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;

@@ -71,7 +71,7 @@ module ti_rd #(
   } clipped_t;
 
   // Rays come in, `RayCycles` cycles each.
-  logic take, hold_valid_q, last_step, egress, has_credit, empty;
+  logic take, taken_q, hold_valid_q, last_step, egress, has_credit, empty;
   logic [1:0] step, step_q;
   ti_pkg::ray_t hold_q, ray;
 
@@ -93,9 +93,11 @@ module ti_rd #(
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
+      taken_q      <= 1'b0;
       hold_valid_q <= 1'b0;
       step_q       <= '0;
     end else begin
+      taken_q <= take;
       if (take) hold_valid_q <= 1'b1;
       else if (last_step) hold_valid_q <= 1'b0;
       if (hold_valid_q) step_q <= last_step ? '0 : step + 1'b1;
@@ -222,19 +224,19 @@ module ti_rd #(
   ) u_rays (
     .clk_i,
     .rst_ni,
-    .push_i     (take),
+    .push_i     (taken_q),
     .push_data_i(waiting_in),
     .out_valid_o(ray_waits),
     .out_ready_i(egress),
     .out_data_o (waiting)
   );
   assign waiting_in = waiting_t'({
-    ray_data_i.any_hit,
-    ray_data_i.ray_id,
-    ray_data_i.o,
-    Woop ? ti_pkg::vec3_t'('0) : ray_data_i.d,  // `operands` has what is needed of it
-    ray_data_i.tmin,
-    ray_data_i.tmax
+    hold_q.any_hit,
+    hold_q.ray_id,
+    hold_q.o,
+    Woop ? ti_pkg::vec3_t'('0) : hold_q.d,  // `operands` has what is needed of it
+    hold_q.tmin,
+    hold_q.tmax
   });
   assign {ray.any_hit, ray.ray_id, ray.o, ray.d, ray.tmin, ray.tmax} = RayWidth'(waiting);
 
