@@ -36,7 +36,14 @@ def edited(folder, file, old, new):
 
 @pytest.mark.parametrize(
     "config",
-    ["paper", "tiny", "small num_trv=3", "watertight", "tiny triangle_test=np rd_cycles=2"],
+    [
+        "paper",
+        "tiny",
+        "small num_trv=3",
+        "watertight",
+        "fpga",
+        "tiny triangle_test=np rd_cycles=2",
+    ],
 )
 def test_engine_is_within_the_published_budget(tmp_path, config):
     done, numbers = count(tmp_path, config)
