@@ -17,7 +17,8 @@
 /// Latency `LookupStages` + 1 cycles on a hit, one answer a cycle.  `rsp` stalls the unit as a whole.  The caller has at
 /// most one request in flight for a slot.  `line_rsp` is accepted without condition, each in the cycles that the L1 takes to
 /// store it (`FillBytes`); an answer to nothing that was asked for is dropped.  A line answered with an error is not kept;
-/// its rays get `rsp_error_o`, their element is undefined.  `flush_i` forgets all lines and is up only while `idle_o` is and no request comes.
+/// its rays get `rsp_error_o`, their element is undefined.  `flush_i` forgets all lines and is up only while `idle_o` is
+/// and no request comes.
 module ti_ra #(
   /// Requesters; each has at most one request in flight.
   parameter int unsigned NumSlots = 8,

@@ -71,7 +71,7 @@ module ti_rd #(
   } clipped_t;
 
   // Rays come in, `RayCycles` cycles each.
-  logic take, taken_q, hold_valid_q, last_step, egress, has_credit, empty;
+  logic take, hold_valid_q, last_step, egress, has_credit, empty;
   logic [1:0] step, step_q;
   ti_pkg::ray_t hold_q, ray;
 
@@ -93,11 +93,9 @@ module ti_rd #(
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
-      taken_q      <= 1'b0;
       hold_valid_q <= 1'b0;
       step_q       <= '0;
     end else begin
-      taken_q <= take;
       if (take) hold_valid_q <= 1'b1;
       else if (last_step) hold_valid_q <= 1'b0;
       if (hold_valid_q) step_q <= last_step ? '0 : step + 1'b1;
@@ -224,7 +222,7 @@ module ti_rd #(
   ) u_rays (
     .clk_i,
     .rst_ni,
-    .push_i     (taken_q),
+    .push_i     (hold_valid_q && step == '0),
     .push_data_i(waiting_in),
     .out_valid_o(ray_waits),
     .out_ready_i(egress),
