@@ -54,7 +54,7 @@ def agreed(config: dict) -> dict[tuple[str, str], int]:
         ("TRV", "ADD"): int(padded),
         ("TRV", "MUL"): int(padded),
         # A token home every cycle, and beside a stage of comparison also the one in front of it.
-        ("TRV", "CMP"): 2 + config["fp_cmp_stages"] + 4 * padded,
+        ("TRV", "CMP"): 2 + (2 - padded) * config["fp_cmp_stages"] + 4 * padded,
         ("IST1", "ADD"): 11 * woop,
         ("IST1", "MUL"): 5 if woop else int(config["interval_cull"]),  # its near end
         ("IST2", "ADD"): 4 * woop,

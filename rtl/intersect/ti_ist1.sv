@@ -19,10 +19,9 @@ module ti_ist1 #(
   parameter int unsigned Spill = 8,
   /// A test ends with the pass that it fails.
   parameter bit EarlyExit = 1'b1,
-  // Slot memories, registered once more where lines are.
-  localparam int unsigned OperandLatency = (ti_config_pkg::LookupStages >= 4) ? 2 : 1,
+  localparam int unsigned OperandLatency = 1,  // slot memories
   localparam bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
-  localparam int unsigned PipeLatency = (Np ? 5 : 4) * ti_fp_pkg::AddLatency +
+  localparam int unsigned PipeLatency = ti_fp_pkg::ChoiceLatency + (Np ? 5 : 4) * ti_fp_pkg::AddLatency +
       3 * ti_fp_pkg::MulLatency + ti_fp_pkg::CmpLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
 ) (
@@ -179,28 +178,25 @@ module ti_ist1 #(
   );
 
   // Operands.
-  logic [OperandLatency-1:0] good_q, bad_q;
-  issue_t fetched_q, issue;
-  operands_t operands_read, operands;
-  between_t between_read, between, between_new;
+  logic issues, fails;
+  issue_t issue;
+  operands_t operands;
+  between_t between, between_new;
   ti_intersect_pkg::plane_t plane;
   ti_intersect_pkg::bary_t  bary;
-  logic issues, fails;
-  assign issues = good_q[OperandLatency-1];
-  assign fails  = bad_q[OperandLatency-1];
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
-      good_q <= '0;
-      bad_q  <= '0;
+      issues <= 1'b0;
+      fails  <= 1'b0;
     end else begin
-      good_q <= OperandLatency'({good_q, rsp_valid && !rsp_error});
-      bad_q  <= OperandLatency'({bad_q, rsp_valid && rsp_error});
+      issues <= rsp_valid && !rsp_error;
+      fails  <= rsp_valid && rsp_error;
     end
   end
   always_ff @(posedge clk_i) begin
     if (rsp_valid) begin
-      fetched_q <= '{slot: rsp_slot, pass_b: rsp_pass_b, odd: rsp_odd, elem: rsp_elem};
+      issue <= '{slot: rsp_slot, pass_b: rsp_pass_b, odd: rsp_odd, elem: rsp_elem};
     end
   end
 
@@ -211,7 +207,7 @@ module ti_ist1 #(
     .clk_i,
     .read_en_i   (rsp_valid),
     .read_addr_i (rsp_slot),
-    .read_data_o (operands_read),
+    .read_data_o (operands),
     .write_en_i  (take),
     .write_addr_i(new_slot),
     .write_data_i(
@@ -226,20 +222,10 @@ module ti_ist1 #(
     .clk_i,
     .read_en_i   (rsp_valid),
     .read_addr_i (rsp_slot),
-    .read_data_o (between_read),
+    .read_data_o (between),
     .write_en_i  (go_on),
     .write_addr_i(result_tag.slot),
     .write_data_i(between_new)
-  );
-
-  ti_delay #(
-    .payload_t(logic [$bits(issue_t)+$bits(operands_t)+$bits(between_t)-1:0]),
-    .Cycles   (OperandLatency - 1)
-  ) u_issue (
-    .clk_i,
-    .rst_ni,
-    .data_i({fetched_q, operands_read, between_read}),
-    .data_o({issue, operands, between})
   );
 
   assign plane = issue.elem;

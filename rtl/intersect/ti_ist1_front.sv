@@ -7,7 +7,8 @@
 module ti_ist1_front #(
   /// The test as published.
   parameter bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
-  localparam int unsigned TimeH = ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeG1 = ti_fp_pkg::ChoiceLatency,
+  localparam int unsigned TimeH = TimeG1 + ti_fp_pkg::MulLatency,
   localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeX1 = TimeG2 + ti_fp_pkg::MulLatency,
   localparam int unsigned TimeG3 = TimeX1 + ti_fp_pkg::AddLatency
@@ -64,16 +65,27 @@ module ti_ist1_front #(
     endcase
   end
 
-  fp_t [2:0] g1;
+  // What is multiplied, chosen by pass and registered `ChoiceLatency` times: TimeG1.
+  fp_t [2:0] g1_a, g1_b, g1;
+  ti_delay #(
+    .payload_t(logic [6*W-1:0]),
+    .Cycles   (TimeG1)
+  ) u_to_g1 (
+    .clk_i,
+    .rst_ni,
+    .data_i({av_i, b_0 ? d[1:0] : n_i, det_i, b_0 ? {2{dett_i}} : d[1:0]}),
+    .data_o({g1_a, g1_b})
+  );
+
   ti_fp_mul #(
     .ExpBits (E),
     .FracBits(M)
   ) u_g1_0 (
     .clk_i,
     .rst_ni,
-    .valid_i(valid_i[0]),
-    .a_i(b_0 ? d[0] : n_i[0]),
-    .b_i(b_0 ? dett_i : d[0]),
+    .valid_i(valid_i[TimeG1]),
+    .a_i(g1_a[0]),
+    .b_i(g1_b[0]),
     .valid_o(),
     .result_o(g1[0])
   );
@@ -83,9 +95,9 @@ module ti_ist1_front #(
   ) u_g1_1 (
     .clk_i,
     .rst_ni,
-    .valid_i(valid_i[0]),
-    .a_i(b_0 ? d[1] : n_i[1]),
-    .b_i(b_0 ? dett_i : d[1]),
+    .valid_i(valid_i[TimeG1]),
+    .a_i(g1_a[1]),
+    .b_i(g1_b[1]),
     .valid_o(),
     .result_o(g1[1])
   );
@@ -95,9 +107,9 @@ module ti_ist1_front #(
   ) u_g1_2 (
     .clk_i,
     .rst_ni,
-    .valid_i(valid_i[0] && b_0),
-    .a_i(av_i),
-    .b_i(det_i),
+    .valid_i(valid_i[TimeG1] && pass_b_i[TimeG1]),
+    .a_i(g1_a[2]),
+    .b_i(g1_b[2]),
     .valid_o(),
     .result_o(g1[2])
   );

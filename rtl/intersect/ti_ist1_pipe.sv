@@ -14,7 +14,7 @@
 ///
 /// | step    | starts at | pass (a)                             | pass (b)                          |
 /// |---------|-----------|--------------------------------------|-----------------------------------|
-/// | G1 3 MUL| 0         | nu*du, nv*dv                         | du*dett, dv*dett, av*det          |
+/// | G1 3 MUL| TimeG1    | nu*du, nv*dv                         | du*dett, dv*dett, av*det          |
 /// | H  4 ADD| TimeH     | au,av,aw = p - o;  n = nu*du + nv*dv | Du = du*dett - audet, Dv          |
 /// | G2 2 MUL| TimeG2    | nu*au, nv*av                         | e1v*Du, e1u*Dv                    |
 /// | X1 1 ADD| TimeX1    | det = n + dw                         | detu = e1v*Du - e1u*Dv            |
@@ -30,7 +30,8 @@ module ti_ist1_pipe #(
   parameter int unsigned TagWidth = 1,
   /// The test as published.
   parameter bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
-  localparam int unsigned TimeH = ti_fp_pkg::MulLatency,
+  localparam int unsigned TimeG1 = ti_fp_pkg::ChoiceLatency,
+  localparam int unsigned TimeH = TimeG1 + ti_fp_pkg::MulLatency,
   localparam int unsigned TimeG2 = TimeH + ti_fp_pkg::AddLatency,
   localparam int unsigned TimeX1 = TimeG2 + ti_fp_pkg::MulLatency,
   localparam int unsigned TimeG3 = TimeX1 + ti_fp_pkg::AddLatency,

@@ -29,7 +29,7 @@ module ti_ra #(
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
   parameter ti_config_pkg::ray_accumulation_e Mode = ti_config_pkg::RayAccumulationGather,
-  /// 1 to 4: from 2 on tags and rows are compared in a step of their own; 3 and 4 are of `ti_ra_answers`.
+  /// 1 to 5: from 2 on tags and rows are compared in a step of their own, with 5 requests wait; 3 and 4 are of `ti_ra_answers`.
   parameter int unsigned LookupStages = ti_config_pkg::LookupStages,
   /// Bytes that the L1 stores in a cycle, at least ElemBytes, at most a line: 8 or more.
   parameter int unsigned FillBytes = ti_config_pkg::FillBytes,
@@ -99,8 +99,8 @@ module ti_ra #(
   } place_t;
 
   // Step 1: the request whose tags have been read, and with `Compare` compared.
-  lookup_t look, compare, s1;
-  logic look_valid, look_ready, look_go, compare_en, s1_valid, s1_done, steps_empty;
+  lookup_t look, read, compare, s1;
+  logic look_valid, look_ready, read_en, compare_en, s1_valid, s1_done, steps_empty;
 
   // Step 2: the word has been read.
   logic s2_valid_q, s2_error_q, s2_taken, s2_free;
@@ -134,26 +134,28 @@ module ti_ra #(
           elem: (Elems > 1) ? elem_t'(req_addr_i[$clog2(LineBytes)-1:0] >> $clog2(ElemBytes)) : '0,
           again: 1'b0
       };
-  assign look_go = look_valid && look_ready;
 
   ti_ra_steps #(
     .lookup_t(lookup_t),
-    .Compare (Compare)
+    .Compare (Compare),
+    .Wait    (LookupStages > 4)
   ) u_steps (
     .clk_i,
     .rst_ni,
     .empty_o       (steps_empty),
-    .read_valid_i  (look_valid),
-    .read_ready_o  (look_ready),
-    .read_i        (look),
+    .look_valid_i  (look_valid),
+    .look_ready_o  (look_ready),
+    .look_i        (look),
+    .read_en_o     (read_en),
+    .read_o        (read),
     .compare_en_o  (compare_en),
     .compare_o     (compare),
     .decide_valid_o(s1_valid),
     .decided_i     (s1_done),
     .decide_o      (s1)
   );
-  logic unused_compare;
-  assign unused_compare = ^compare;
+  logic unused_steps;
+  assign unused_steps = (^read) ^ (^compare);
 
   ti_ra_rows #(
     .NumSlots (NumSlots),
@@ -306,8 +308,8 @@ module ti_ra #(
     .clk_i,
     .rst_ni,
     .flush_i,
-    .lookup_en_i   (look_go),
-    .lookup_set_i  ((Sets > 1) ? look.line[SetWidth-1:0] : '0),
+    .lookup_en_i   (read_en),
+    .lookup_set_i  ((Sets > 1) ? read.line[SetWidth-1:0] : '0),
     .compare_en_i  (compare_en),
     .compare_line_i(compare.line),
     .line_i        (s1.line),
@@ -389,8 +391,8 @@ module ti_ra #(
   if (Rows < 1 || Rows > ti_mem_pkg::MaxRows) begin : gen_check_rows
     $error("ti_ra: Rows must be 1 to ti_mem_pkg::MaxRows");
   end
-  if (LookupStages < 1 || LookupStages > 4) begin : gen_check_lookup_stages
-    $error("ti_ra: LookupStages must be 1 to 4");
+  if (LookupStages < 1 || LookupStages > 5) begin : gen_check_lookup_stages
+    $error("ti_ra: LookupStages must be 1 to 5");
   end
   if (Elems * ElemBytes != LineBytes || (Elems & (Elems - 1)) != 0) begin : gen_check_elem_bytes
     $error("ti_ra: ElemBytes must divide LineBytes into a power of two");

@@ -2,8 +2,8 @@
 
 /// Answers of a `ti_ra`: the element of a word that has been read, on its way out.
 ///
-/// Latency 0, the word as the L1 gives it.  With `LookupStages` 3 answers wait in a queue of two, where the path from
-/// `rsp_ready_i` ends; with 4 the word is registered first, as a block RAM gives it late, before the element is chosen.
+/// Latency 0, the word as the L1 gives it.  From `LookupStages` 3 on answers wait in a queue of two, where the path from
+/// `rsp_ready_i` ends; from 4 on the word is registered first, as a block RAM gives it late, before the element is chosen.
 /// One a cycle, in order.
 module ti_ra_answers #(
   parameter int unsigned SlotWidth = 3,
@@ -102,8 +102,8 @@ module ti_ra_answers #(
   if (SlotWidth < 1) begin : gen_check_slot_width
     $error("ti_ra_answers: SlotWidth must be 1 or more");
   end
-  if (LookupStages < 1 || LookupStages > 4) begin : gen_check_lookup_stages
-    $error("ti_ra_answers: LookupStages must be 1 to 4");
+  if (LookupStages < 1 || LookupStages > 5) begin : gen_check_lookup_stages
+    $error("ti_ra_answers: LookupStages must be 1 to 5");
   end
   if (Parts * ElemBytes != WordBytes || (Parts & (Parts - 1)) != 0) begin : gen_check_elem_bytes
     $error("ti_ra_answers: ElemBytes must divide WordBytes into a power of two");

@@ -13,7 +13,7 @@ SLOTS, ROWS, WAYS = (parameter(name, 1) for name in ("NumSlots", "Rows", "Ways")
 STAGES = parameter("LookupStages", 1)
 # Cycles in which a line is stored.
 WORDS = parameter("LineBytes", 1) // parameter("WordBytes", 1)
-QUEUED = {3: 2, 4: 3}.get(STAGES, 0)  # answers between the line store and the port
+QUEUED = {3: 2, 4: 3, 5: 3}.get(STAGES, 0)  # answers between the line store and the port
 ROW_IDS = 1 << payloads().width("row_id_t") if hasattr(cocotb, "top") else 1
 PLACES = parameter("CacheBytes", 1) // parameter("LineBytes", 1)
 PATTERNS = ["one line", "walk", "every line", "one set", "near", "far"]

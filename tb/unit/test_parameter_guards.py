@@ -70,8 +70,8 @@ BAD = [
     ("ti_ra", {"NumSlots": 1}, "NumSlots must be 2 or more"),
     ("ti_ra", {"Rows": 0}, "Rows must be 1 to ti_mem_pkg::MaxRows"),
     ("ti_ra", {"Rows": 3}, "Rows must be 1 to ti_mem_pkg::MaxRows"),
-    ("ti_ra", {"LookupStages": 0}, "LookupStages must be 1 to 4"),
-    ("ti_ra", {"LookupStages": 5}, "LookupStages must be 1 to 4"),
+    ("ti_ra", {"LookupStages": 0}, "LookupStages must be 1 to 5"),
+    ("ti_ra", {"LookupStages": 6}, "LookupStages must be 1 to 5"),
     ("ti_ra_rows", {"NumSlots": 1}, "NumSlots must be 2 or more, other sizes 1 or more"),
     *(
         ("ti_ra_rows", {key: 0}, "NumSlots must be 2 or more, other sizes 1 or more")
@@ -79,7 +79,7 @@ BAD = [
     ),
     ("ti_ra_retry", {"NumSlots": 1}, "NumSlots must be 2 or more"),
     ("ti_ra_answers", {"SlotWidth": 0}, "SlotWidth must be 1 or more"),
-    *(("ti_ra_answers", {"LookupStages": n}, "LookupStages must be 1 to 4") for n in (0, 5)),
+    *(("ti_ra_answers", {"LookupStages": n}, "LookupStages must be 1 to 5") for n in (0, 6)),
     ("ti_ra_answers", {"ElemBytes": 24}, "ElemBytes must divide WordBytes into a power of two"),
     ("ti_ra_answers", {"WordBytes": 60}, "ElemBytes must divide WordBytes into a power of two"),
     ("ti_ra", {"FillBytes": 24}, "ti_l1: WordBytes must divide LineBytes into a power of two"),

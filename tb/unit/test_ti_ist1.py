@@ -315,7 +315,7 @@ BUILDS = {
     "tiny": ("", {}),
     "large": ("ist1_rows=4", {"NumSlots": SLOTS_TO_FILL, "CacheBytes": 4096, "Ways": 4, "Rows": 4}),
     "lines": ("line_bytes=32 exp_bits=7 frac_bits=16 fp_cmp_stages=1", {"NumSlots": 5, "Rows": 1}),
-    "wide": ("line_bytes=128 lookup_stages=4 fill_bytes=8", {"NumSlots": 16}),
+    "wide": ("line_bytes=128 lookup_stages=5 fill_bytes=8", {"NumSlots": 16}),
     "all passes": ("", {"NumSlots": 16, "EarlyExit": 0}),
 }
 

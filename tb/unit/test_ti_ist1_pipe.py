@@ -14,7 +14,7 @@ from models.payload import payloads
 
 FORMATS = [
     "",
-    "exp_bits=7 frac_bits=16 rounding=zero reciprocal=newton fp_cmp_stages=1",
+    "exp_bits=7 frac_bits=16 rounding=zero reciprocal=newton fp_cmp_stages=1 lookup_stages=4",
     "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush",
     "triangle_test=np",
 ]

@@ -9,7 +9,11 @@ from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import hexed, numbers
 from models.payload import parameter, payloads
 
-FORMATS = ["", "exp_bits=7 frac_bits=16", "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush"]
+FORMATS = [
+    "",
+    "exp_bits=7 frac_bits=16 lookup_stages=4",
+    "exp_bits=5 frac_bits=10 rounding=zero subnormals=flush",
+]
 TAG_WIDTH = 9
 
 

@@ -24,7 +24,7 @@ from agents.trv_bench import (
 )
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
 from models.numbers import numbers
-from models.payload import parameter, payloads
+from models.payload import configuration, parameter, payloads
 from models.rays import ray
 from models.scene import BASE, Scene, rays_through, soup
 from models.traced import (
@@ -41,7 +41,11 @@ from models.traced import (
 )
 
 SLOTS_TO_FILL = 32  # fewer cannot keep the step pipeline busy
-RA_HIT = 2  # cycles of a `ti_ra` on a hit
+
+
+def ra_hit():
+    """Cycles of a `ti_ra` on a hit."""
+    return 1 + configuration()["lookup_stages"]
 
 
 @cocotb.test()
@@ -196,7 +200,7 @@ async def the_watchdog_stops_before_the_node_that_is_too_many(dut, beyond):
 
 
 @cocotb.test()
-async def a_step_takes_its_latency_and_the_two_cycles_of_the_ra(dut):
+async def a_step_takes_its_latency_and_that_of_a_hit(dut):
     """One ray, all nodes in the L1."""
     await setup(dut)
     put_nodes(dut, [inner(7, split=9.0)] * 6 + [(0, 3)])
@@ -213,7 +217,7 @@ async def a_step_takes_its_latency_and_the_two_cycles_of_the_ra(dut):
         await RisingEdge(dut.clk_i)
 
     between = {later - sooner for sooner, later in pairwise(answers)}
-    assert between == {int(dut.StepLatency.value) + RA_HIT} and len(answers) == 7
+    assert between == {int(dut.StepLatency.value) + ra_hit()} and len(answers) == 7
 
 
 @cocotb.test(skip=parameter("NumSlots") < SLOTS_TO_FILL)
@@ -315,8 +319,8 @@ async def tells_what_it_does_in_each_cycle(dut):
         await source.send([lone_ray()])
         await ClockCycles(dut.clk_i, 60)
         moves = events.activities(before)
-        first = 2 + RA_HIT  # queue and arbiter
-        between = int(dut.StepLatency.value) + RA_HIT - 1
+        first = 2 + ra_hit()  # queue and arbiter
+        between = int(dut.StepLatency.value) + ra_hit() - 1
         assert [moves[k] for k in ("empty", "works", "latency", "results")] == [
             1,
             2,
@@ -346,7 +350,7 @@ BUILDS = {
         "every_ray|memory_error|the_watchdog|a_step",
     ),
     "compared first": (
-        "trv_slots=8 fp_cmp_stages=1",
+        "trv_slots=8 fp_cmp_stages=1 lookup_stages=5",
         {"NumSlots": 8},
         "every_ray|memory_error|the_watchdog|a_step|activity",
     ),

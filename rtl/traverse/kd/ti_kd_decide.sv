@@ -9,7 +9,7 @@
 /// entry was dropped, restart from the root at the leaf's exit; else the end.  A `StackDepth` of 0 drops every entry.
 /// Without `Restart` the stack holds every entry that a tree can ask of it (`ti_kd_state` watches), none is dropped,
 /// and no ray restarts.  An empty leaf also ends a ray whose best t does not exceed the exit; a leaf with triangles
-/// leaves that to `ti_trv_return`.  2 CMP. The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's
+/// leaves that to `ti_trv_return`.  2 CMP; with `CmpStages` 3, none behind a choice. The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's
 /// interval, moved outward by `Guard` ulp, and not beyond the best t; without `IntervalCull` from 0 to the best t.
 module ti_kd_decide #(
   parameter int unsigned StackDepth = 4,
@@ -63,7 +63,7 @@ module ti_kd_decide #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
 
-  logic is_leaf, below_tmax, up_to_tmin;
+  logic is_leaf, below_tmax, up_to_tmin, best_up_to_exit;
   assign is_leaf = node_i.axis == 2'd3;
 
   // An inner node compares t with both ends; a leaf compares the best t with its exit.
@@ -78,17 +78,43 @@ module ti_kd_decide #(
     .le_o(),
     .unordered_o()
   );
-  ti_fp_cmp #(
-    .ExpBits (E),
-    .FracBits(M)
-  ) u_tmin (
-    .a_i(is_leaf ? tbest_i : t_i),
-    .b_i(is_leaf ? tmax_i : tmin_i),
-    .lt_o(),
-    .eq_o(),
-    .le_o(up_to_tmin),
-    .unordered_o()
-  );
+  if (CmpStages == 0) begin : gen_shared
+    ti_fp_cmp #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_tmin (
+      .a_i(is_leaf ? tbest_i : t_i),
+      .b_i(is_leaf ? tmax_i : tmin_i),
+      .lt_o(),
+      .eq_o(),
+      .le_o(up_to_tmin),
+      .unordered_o()
+    );
+    assign best_up_to_exit = up_to_tmin;
+  end else begin : gen_side_by_side
+    ti_fp_cmp #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_tmin (
+      .a_i(t_i),
+      .b_i(tmin_i),
+      .lt_o(),
+      .eq_o(),
+      .le_o(up_to_tmin),
+      .unordered_o()
+    );
+    ti_fp_cmp #(
+      .ExpBits (E),
+      .FracBits(M)
+    ) u_exit (
+      .a_i(tbest_i),
+      .b_i(tmax_i),
+      .lt_o(),
+      .eq_o(),
+      .le_o(best_up_to_exit),
+      .unordered_o()
+    );
+  end
 
   // Outward in the order of bit patterns, down to 0, up to infinity at most.
   localparam ti_pkg::fp_t GuardUlps = ti_pkg::fp_t'(Guard);
@@ -120,7 +146,8 @@ module ti_kd_decide #(
     logic                  stacked;           // entries are on the stack
     logic                  goes_beyond;       // the ray's interval does not end with the leaf's
     logic                  below_tmax;
-    logic                  up_to_tmin;        // of a leaf: the best t is up to its exit
+    logic                  up_to_tmin;
+    logic                  best_up_to_exit;   // of a leaf
   } at_t;
   at_t now, at;
   always_comb begin
@@ -147,7 +174,8 @@ module ti_kd_decide #(
         stacked: level_i != '0,
         goes_beyond: tmax_i != ray_tmax_i,
         below_tmax: below_tmax,
-        up_to_tmin: up_to_tmin
+        up_to_tmin: up_to_tmin,
+        best_up_to_exit: best_up_to_exit
     };
   end
   ti_delay #(
@@ -163,7 +191,7 @@ module ti_kd_decide #(
   logic best_ends;
   ti_pkg::node_index_t near_node, adjacent;
 
-  assign best_ends = at.up_to_tmin;
+  assign best_ends = at.best_up_to_exit;
   assign adjacent  = at.index + 1'b1;
   assign near_node = at.near_is_adjacent ? adjacent : at.link;
   assign far_o     = at.near_is_adjacent ? at.link : adjacent;

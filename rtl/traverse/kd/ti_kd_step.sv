@@ -6,7 +6,7 @@
 /// The arithmetic of a traversal step: t = (split - o[axis]) * inv[axis], on 1 ADD and 1 MUL; of a thick ray (`Padded`)
 /// the least and the greatest t, from the near and the far origin, on 2 of each.
 ///
-/// One node a cycle, `Latency` cycles, no stall.  The node and the sign of the inverse come out beside t.
+/// One node a cycle, `Latency` cycles, no stall; the axis is chosen `ChoiceLatency` before the operators.  The node and the sign of the inverse come out beside t.
 /// t is NaN exactly for a ray that is parallel to the plane and in it (0 * inf).  A leaf passes
 /// through; its t means nothing.
 module ti_kd_step #(
@@ -14,7 +14,8 @@ module ti_kd_step #(
   parameter int unsigned TagWidth = 1,
   /// Whether rays are thick; when not, the near origin alone counts.
   parameter bit Padded = 1'b0,
-  localparam int unsigned Latency = ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
+  localparam int unsigned ChoiceLatency = ti_fp_pkg::ChoiceLatency,
+  localparam int unsigned Latency = ChoiceLatency + ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -36,13 +37,46 @@ module ti_kd_step #(
   localparam int unsigned E = ti_num_pkg::ExpBits;
   localparam int unsigned M = ti_num_pkg::FracBits;
 
+  // Of the axis of the node.
+  typedef struct packed {
+    ti_pkg::fp_t split;
+    ti_pkg::fp_t least;
+    ti_pkg::fp_t most;
+    ti_pkg::fp_t inv;
+  } operands_t;
+
   logic inner, to_plane_valid;
   logic [1:0] axis;
-  ti_pkg::fp_t inv, inv_mul, to_plane;
+  logic [ChoiceLatency:0] add_valid;
+  operands_t chosen, operands;
+  ti_pkg::fp_t inv_mul, to_plane;
 
   assign inner = valid_i && node_i.axis != 2'd3;
   assign axis  = inner ? node_i.axis : 2'd0;
-  assign inv   = inv_i[axis];
+  always_comb begin
+    chosen = '{
+        split: node_i.value[E+M:0],
+        least: origins_i.least[axis],
+        most: origins_i.most[axis],
+        inv: inv_i[axis]
+    };
+  end
+  ti_delay #(
+    .payload_t(operands_t),
+    .Cycles   (ChoiceLatency)
+  ) u_operands (
+    .clk_i,
+    .rst_ni,
+    .data_i(chosen),
+    .data_o(operands)
+  );
+  assign add_valid[0] = inner;
+  if (ChoiceLatency > 0) begin : gen_registered
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) add_valid[ChoiceLatency:1] <= '0;
+      else add_valid[ChoiceLatency:1] <= add_valid[ChoiceLatency-1:0];
+    end
+  end
 
   ti_fp_add #(
     .ExpBits (E),
@@ -50,9 +84,9 @@ module ti_kd_step #(
   ) u_to_plane (
     .clk_i,
     .rst_ni,
-    .valid_i(inner),
-    .a_i(node_i.value[E+M:0]),
-    .b_i(origins_i.least[axis]),
+    .valid_i(add_valid[ChoiceLatency]),
+    .a_i(operands.split),
+    .b_i(operands.least),
     .negate_b_i(1'b1),
     .valid_o(to_plane_valid),
     .result_o(to_plane)
@@ -63,7 +97,7 @@ module ti_kd_step #(
   ) u_inv (
     .clk_i,
     .rst_ni,
-    .data_i(inv),
+    .data_i(operands.inv),
     .data_o(inv_mul)
   );
   ti_fp_mul #(
@@ -88,9 +122,9 @@ module ti_kd_step #(
     ) u_far_to_plane (
       .clk_i,
       .rst_ni,
-      .valid_i(inner),
-      .a_i(node_i.value[E+M:0]),
-      .b_i(origins_i.most[axis]),
+      .valid_i(add_valid[ChoiceLatency]),
+      .a_i(operands.split),
+      .b_i(operands.most),
       .negate_b_i(1'b1),
       .valid_o(far_valid),
       .result_o(far_to_plane)
@@ -109,7 +143,7 @@ module ti_kd_step #(
     );
   end else begin : gen_one
     logic unused_far;
-    assign unused_far = ^origins_i.most;
+    assign unused_far = ^operands.most;
     assign t_most_o   = t_o;
   end
 
@@ -132,7 +166,7 @@ module ti_kd_step #(
   ) u_along (
     .clk_i,
     .rst_ni,
-    .data_i('{negative: inv[ti_num_pkg::FpWidth-1], node: node_i, tag: tag_i}),
+    .data_i('{negative: chosen.inv[ti_num_pkg::FpWidth-1], node: node_i, tag: tag_i}),
     .data_o(along)
   );
   assign negative_o = along.negative;
