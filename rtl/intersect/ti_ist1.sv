@@ -21,8 +21,9 @@ module ti_ist1 #(
   parameter bit EarlyExit = 1'b1,
   localparam int unsigned OperandLatency = 1,  // slot memories
   localparam bit Np = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestNp,
-  localparam int unsigned PipeLatency = ti_fp_pkg::ChoiceLatency + (Np ? 5 : 4) * ti_fp_pkg::AddLatency +
-      3 * ti_fp_pkg::MulLatency + ti_fp_pkg::CmpLatency + 1,
+  localparam int unsigned PipeLatency = ti_fp_pkg::ChoiceLatency +
+      (Np ? 5 : 4) * ti_fp_pkg::AddLatency + 3 * ti_fp_pkg::MulLatency +
+      ti_fp_pkg::CmpLatency + 1,
   localparam int unsigned PassLatency = OperandLatency + PipeLatency
 ) (
   input  logic              clk_i,

@@ -15,7 +15,8 @@ module ti_kd_walk #(
   parameter bit Restart = 1'b1,
   parameter bit Padded = 1'b0,
   localparam int unsigned GeometryLatency = 1,  // slot memory
-  localparam int unsigned ArithmeticLatency = ti_fp_pkg::ChoiceLatency + ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
+  localparam int unsigned ArithmeticLatency = ti_fp_pkg::ChoiceLatency +
+      ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
   localparam int unsigned CmpStages = ti_fp_pkg::CmpLatency,
   localparam int unsigned Latency = GeometryLatency + ArithmeticLatency + CmpStages
 ) (

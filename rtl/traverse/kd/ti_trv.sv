@@ -21,7 +21,8 @@ module ti_trv #(
   parameter int unsigned CacheBytes = 1024,
   parameter int unsigned Ways = 2,
   localparam int unsigned GeometryLatency = 1,  // slot memory
-  localparam int unsigned ArithmeticLatency = ti_fp_pkg::ChoiceLatency + ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
+  localparam int unsigned ArithmeticLatency = ti_fp_pkg::ChoiceLatency +
+      ti_fp_pkg::AddLatency + ti_fp_pkg::MulLatency,
   localparam int unsigned ArbiterLatency = 1,
   localparam int unsigned StepLatency = GeometryLatency + ArithmeticLatency +
       ti_fp_pkg::CmpLatency + ArbiterLatency
