@@ -6,7 +6,7 @@
 /// Line requests to an AXI4 read port: one burst of one beat a line, the data bus as wide as a line.
 ///
 /// At most `MaxReads` reads are outstanding.  ARID is the number of a free entry of the table that keeps the
-/// identities of the requests, so answers may come in any order.  Outputs come from registers: 1 cycle for a
+/// identities of the requests, so answers may come in any order.  Outputs come from registers, RREADY too: 1 cycle for a
 /// request, 1 for an answer; one a cycle each way.  SLVERR, DECERR and a beat without RLAST come back as an
 /// error.  A beat under an id that is not outstanding is dropped and reported by the event `strays`: so beats that
 /// a reset leaves behind do no harm while they come before their id is used again.  A reset in the middle of
@@ -64,6 +64,12 @@ module ti_axi_read #(
     axi_id_t                id;
     ti_mem_pkg::line_addr_t line;
   } ar_t;
+
+  typedef struct packed {
+    id_t               id;
+    logic              error;
+    ti_mem_pkg::line_t data;
+  } rsp_t;
 
   // The table of reads in flight.
   logic free_valid, ar_room, take, beat, known;
@@ -136,20 +142,23 @@ module ti_axi_read #(
   assign m_axi_arqos   = 4'b0000;
 
   // R.
-  assign m_axi_rready = !rsp_valid_o || rsp_ready_i;
-
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) rsp_valid_o <= 1'b0;
-    else if (m_axi_rready) rsp_valid_o <= m_axi_rvalid && known;
-  end
-
-  always_ff @(posedge clk_i) begin
-    if (beat && known) begin
-      rsp_id_o    <= beat_id;
-      rsp_data_o  <= m_axi_rdata;
-      rsp_error_o <= m_axi_rresp[1] || !m_axi_rlast;
-    end
-  end
+  rsp_t rsp;
+  ti_fifo #(
+    .payload_t(rsp_t),
+    .Depth    (2)
+  ) u_rsp (
+    .clk_i,
+    .rst_ni,
+    .in_valid_i (m_axi_rvalid && known),
+    .in_ready_o (m_axi_rready),
+    .in_data_i  ('{id: beat_id, error: m_axi_rresp[1] || !m_axi_rlast, data: m_axi_rdata}),
+    .out_valid_o(rsp_valid_o),
+    .out_ready_i(rsp_ready_i),
+    .out_data_o (rsp)
+  );
+  assign rsp_id_o    = rsp.id;
+  assign rsp_error_o = rsp.error;
+  assign rsp_data_o  = rsp.data;
 
   assign events_o.lines  = take;
   assign events_o.errors = beat && known && (m_axi_rresp[1] || !m_axi_rlast);

@@ -225,7 +225,7 @@ module ti_l1 #(
   // nodes on the way to a way that is used point away from it afterwards.
   logic [WayWidth-1:0] lru_way, used_way;
   int unsigned victim_node, used_node;
-  assign used_way = alloc_i ? victim_way_o : hit_way_o;
+  assign used_way = hit_o ? hit_way_o : victim_way_o;  // whether used or not
 
   always_comb begin
     lru_way     = '0;

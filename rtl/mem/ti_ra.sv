@@ -118,11 +118,9 @@ module ti_ra #(
   logic awaited, store, fill, drain, drain_last, drain_error;
   logic [ IndexWidth-1:0] store_index;
   logic [8*WordBytes-1:0] store_word;
-  row_t fill_row, drain_row;
-  place_t fill_place, row_place, drain_place;
+  place_t fill_place, drain_place;
   slot_t drain_slot;
   elem_t drain_elem;
-  logic [Rows-1:0] mine;
   logic rows_empty;
 
   // Who is looked up: a request or, in `Retry`, a ray that looks again.
@@ -163,7 +161,9 @@ module ti_ra #(
     .ElemWidth(ElemWidth),
     .Sets     (Sets),
     .WayWidth (WayWidth),
-    .Compare  (Compare)
+    .Compare  (Compare),
+    .Retry    (Retry),
+    .Wait     (LookupStages > 4)
   ) u_rows (
     .clk_i,
     .rst_ni,
@@ -179,36 +179,26 @@ module ti_ra #(
     .free_row_o    (free_row),
     .form_i        (use_miss),
     .way_i         (victim_way),
-    .mine_o        (mine),
     .fill_i        (fill),
     .fill_id_i     (line_rsp_data_i.id),
     .fill_error_i  (line_rsp_data_i.error),
     .awaited_o     (awaited),
-    .fill_row_o    (fill_row),
     .fill_set_o    (fill_place.set),
     .fill_way_o    (fill_place.way),
-    .drain_row_i   (drain_row),
+    .filled_o      (filled),
     .drain_i       (drain),
     .drain_slot_o  (drain_slot),
     .drain_elem_o  (drain_elem),
     .drain_error_o (drain_error),
     .drain_last_o  (drain_last),
-    .drain_set_o   (row_place.set),
-    .drain_way_o   (row_place.way),
+    .drain_set_o   (drain_place.set),
+    .drain_way_o   (drain_place.way),
     .waits_o,
     .empty_o       (rows_empty)
   );
 
   logic filled, stopped, again;
   if (Retry) begin : gen_retry
-    // A row is filled for the ray that asked for its line, when that looks again.
-    assign filled      = s1_valid && mine != '0;
-    assign drain_place = row_place;
-    always_comb begin
-      drain_row = '0;
-      for (int unsigned r = 0; r < Rows; r++) if (mine[r]) drain_row = row_t'(r);
-    end
-
     logic refused;
     assign refused = s1_valid && !filled && !hit && !merge && !may_ask;
     assign again   = use_merge || use_miss || refused;
@@ -232,24 +222,7 @@ module ti_ra #(
       .waits_o     (retries)
     );
     assign stopped = 1'b0;
-
-    logic unused;
-    assign unused = ^fill_row;
-
-    `TI_ASSERT(OneRowARay, s1_valid |-> $onehot0(mine))
   end else begin : gen_rows
-    ti_queue #(
-      .payload_t(logic [$bits(row_t)+$bits(place_t)-1:0]),
-      .Depth    (Rows)
-    ) u_filled (
-      .clk_i,
-      .rst_ni,
-      .push_i     (fill),
-      .push_data_i({fill_row, fill_place}),
-      .out_valid_o(filled),
-      .out_ready_i(drain_last),
-      .out_data_o ({drain_row, drain_place})
-    );
     assign req_ready_o = look_ready;
     assign look_valid  = req_valid_i;
     assign look        = req;
@@ -257,7 +230,7 @@ module ti_ra #(
     assign again       = 1'b0;
     assign stopped     = Blocking && !rows_empty;
     logic unused;
-    assign unused = (^mine) ^ s1.again ^ (^row_place);
+    assign unused = s1.again;
   end
 
   // Filled rows hand out before hits, in the order in which they were filled.  A hit that waits keeps new rows

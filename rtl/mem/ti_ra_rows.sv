@@ -6,10 +6,10 @@
 /// The rows of a `ti_ra`: lines on their way or handing out, and the rays that wait for each.
 ///
 /// A row is a list of slots, linked by one pointer a slot.  It is free, waits for its line, or is filled and hands
-/// out.  The look-up that is decided (`valid_i`, `slot_i`, `line_i`, `elem_i`) joins the row of its line (`join_i`, while
-/// `same_o`) or forms one (`form_i`, while `free_o`).  `drain_i` takes the first ray out of the filled row
-/// `drain_row_i`; with its last the row is free.  `awaited_o` says whether a row waits for the answer of an id, and `fill_i` that
-/// all of it has come.  All outputs follow from registers, the row that is named and the answer's id, none from `join_i`,
+/// out, in the order in which they were filled; with `Retry` when the look-up that is decided is its first ray.  The look-up that is decided (`valid_i`, `slot_i`, `line_i`, `elem_i`) joins the row of its line (`join_i`, while
+/// `same_o`) or forms one (`form_i`, while `free_o`).  `drain_i` takes the first ray out of the row
+/// that hands out, while `filled_o`; with its last the row is free.  `awaited_o` says whether a row waits for the answer of an id, and `fill_i` that
+/// all of it has come.  All outputs follow from registers and the answer's id, none from `join_i`,
 /// `form_i` or the answer's data.
 module ti_ra_rows #(
   /// Rays, each in at most one row.
@@ -21,6 +21,10 @@ module ti_ra_rows #(
   parameter int unsigned WayWidth = 1,
   /// Lines are compared with those of the rows in a cycle of their own, that of `compare_en_i`.
   parameter bit Compare = 1'b0,
+  /// Rays look again; no more than the first one is in a row.
+  parameter bit Retry = 1'b0,
+  /// A filled row hands out a cycle later, and the path from the answer's id ends before that.
+  parameter bit Wait = 1'b0,
   localparam int unsigned SlotWidth = $clog2(NumSlots),
   localparam int unsigned SetWidth = (Sets > 1) ? $clog2(Sets) : 1,
   localparam int unsigned RowWidth = (Rows > 1) ? $clog2(Rows) : 1
@@ -43,19 +47,17 @@ module ti_ra_rows #(
   output logic                   [ RowWidth-1:0] free_row_o,
   input  logic                                   form_i,
   input  logic                   [ WayWidth-1:0] way_i,       // the place of the line
-  output logic                   [     Rows-1:0] mine_o,      // filled rows whose first ray this is
 
   // An answer of memory.
   input  logic                               fill_i,
   input  ti_mem_pkg::row_id_t                fill_id_i,
   input  logic                               fill_error_i,
   output logic                               awaited_o,
-  output logic                [RowWidth-1:0] fill_row_o,
   output logic                [SetWidth-1:0] fill_set_o,
   output logic                [WayWidth-1:0] fill_way_o,
 
   // The row that hands out.
-  input  logic [ RowWidth-1:0] drain_row_i,
+  output logic                 filled_o,       // there is one
   input  logic                 drain_i,
   output logic [SlotWidth-1:0] drain_slot_o,
   output logic [ElemWidth-1:0] drain_elem_o,
@@ -78,6 +80,7 @@ module ti_ra_rows #(
   logic [WayWidth-1:0] way_q[Rows];
   slot_t head_q[Rows];
   slot_t tail_q[Rows];
+  row_t drain_row, fill_row;
   slot_t next;  // the ray behind the first one of the row that hands out
 
   // The row of the look-up's line, and a free one.
@@ -99,9 +102,8 @@ module ti_ra_rows #(
   end
 
   for (genvar r = 0; r < Rows; r++) begin : gen_row
-    assign forms[r]  = !busy_q[r] && free_row_o == row_t'(r);
-    assign set[r]    = (Sets > 1) ? line_q[r][SetWidth-1:0] : '0;
-    assign mine_o[r] = busy_q[r] && !waits_q[r] && head_q[r] == slot_i;
+    assign forms[r] = !busy_q[r] && free_row_o == row_t'(r);
+    assign set[r]   = (Sets > 1) ? line_q[r][SetWidth-1:0] : '0;
 
     if (!Compare) begin : gen_together
       assign same_line[r] = line_q[r] == line_i;
@@ -122,7 +124,7 @@ module ti_ra_rows #(
         tail_q[r] <= slot_i;
       end
       if (join_i && match[r]) tail_q[r] <= slot_i;
-      if (drain_i && drain_row_i == row_t'(r)) head_q[r] <= next;
+      if (drain_i && drain_row == row_t'(r)) head_q[r] <= next;
     end
   end
   if (!Compare) begin : gen_no_compare
@@ -133,11 +135,11 @@ module ti_ra_rows #(
   // Answers.
   logic row_exists;
   assign row_exists = 32'(fill_id_i) < Rows;
-  assign fill_row_o = fill_id_i[RowWidth-1:0];
-  assign awaited_o  = row_exists && waits_q[fill_row_o];
-  assign fill_set_o = set[fill_row_o];
-  assign fill_way_o = way_q[fill_row_o];
-  always_ff @(posedge clk_i) if (fill_i) error_q[fill_row_o] <= fill_error_i;
+  assign fill_row   = fill_id_i[RowWidth-1:0];
+  assign awaited_o  = row_exists && waits_q[fill_row];
+  assign fill_set_o = set[fill_row];
+  assign fill_way_o = way_q[fill_row];
+  always_ff @(posedge clk_i) if (fill_i) error_q[fill_row] <= fill_error_i;
 
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
@@ -148,17 +150,64 @@ module ti_ra_rows #(
         busy_q[free_row_o]  <= 1'b1;
         waits_q[free_row_o] <= 1'b1;
       end
-      if (fill_i) waits_q[fill_row_o] <= 1'b0;
-      if (drain_last_o) busy_q[drain_row_i] <= 1'b0;
+      if (fill_i) waits_q[fill_row] <= 1'b0;
+      if (drain_last_o) busy_q[drain_row] <= 1'b0;
     end
   end
 
+  // Which row hands out, and the place of its line.
+  if (Retry) begin : gen_retry
+    logic [Rows-1:0] mine;
+    for (genvar r = 0; r < Rows; r++) begin : gen_mine
+      assign mine[r] = busy_q[r] && !waits_q[r] && head_q[r] == slot_i;
+    end
+    always_comb begin
+      drain_row = '0;
+      for (int unsigned r = 0; r < Rows; r++) if (mine[r]) drain_row = row_t'(r);
+    end
+    assign filled_o    = valid_i && mine != '0;
+    assign drain_set_o = set[drain_row];
+    assign drain_way_o = way_q[drain_row];
+
+    `TI_ASSERT(OneRowARay, valid_i |-> $onehot0(mine))
+  end else begin : gen_gather
+    typedef struct packed {
+      row_t                row;
+      logic [SetWidth-1:0] set;
+      logic [WayWidth-1:0] way;
+    } filled_t;
+    filled_t fills, push_data, first;
+    logic push;
+    assign fills = '{row: fill_row, set: fill_set_o, way: fill_way_o};
+    if (!Wait) begin : gen_at_once
+      assign push      = fill_i;
+      assign push_data = fills;
+    end else begin : gen_wait
+      always_ff @(`TI_CLK_RST) begin
+        if (!rst_ni) push <= 1'b0;
+        else push <= fill_i;
+      end
+      always_ff @(posedge clk_i) push_data <= fills;
+    end
+    ti_queue #(
+      .payload_t(filled_t),
+      .Depth    (Rows)
+    ) u_filled (
+      .clk_i,
+      .rst_ni,
+      .push_i     (push),
+      .push_data_i(push_data),
+      .out_valid_o(filled_o),
+      .out_ready_i(drain_last_o),
+      .out_data_o (first)
+    );
+    assign {drain_row, drain_set_o, drain_way_o} = first;
+  end
+
   // Hand-out.
-  assign drain_slot_o  = head_q[drain_row_i];
-  assign drain_last_o  = drain_i && drain_slot_o == tail_q[drain_row_i];
-  assign drain_error_o = error_q[drain_row_i];
-  assign drain_set_o   = set[drain_row_i];
-  assign drain_way_o   = way_q[drain_row_i];
+  assign drain_slot_o  = head_q[drain_row];
+  assign drain_last_o  = drain_i && drain_slot_o == tail_q[drain_row];
+  assign drain_error_o = error_q[drain_row];
 
   // Behind the last ray of a row any pointer may stand, and any element of a ray that waits in none.
   ti_regfile #(
@@ -191,8 +240,8 @@ module ti_ra_rows #(
   `TI_ASSERT(OneRowALine, valid_i |-> $onehot0(match))
   `TI_ASSERT(JoinsTheRowOfItsLine, join_i |-> valid_i && same_o)
   `TI_ASSERT(FormsAFreeRow, form_i |-> valid_i && free_o && !join_i)
-  `TI_ASSERT(DrainsAFilledRow, drain_i |-> busy_q[drain_row_i] && !waits_q[drain_row_i])
+  `TI_ASSERT(DrainsAFilledRow, drain_i |-> filled_o && busy_q[drain_row] && !waits_q[drain_row])
   `TI_ASSERT(FillsARowThatWaits, fill_i |-> awaited_o)
-  `TI_COVER(JoinsARowAsItFills, join_i && fill_i && match[fill_row_o])
+  `TI_COVER(JoinsARowAsItFills, join_i && fill_i && match[fill_row])
 
 endmodule : ti_ra_rows

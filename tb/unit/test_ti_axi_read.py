@@ -252,20 +252,20 @@ async def drops_and_counts_beats_that_nobody_asked_for(dut):
 
 
 @cocotb.test()
-async def drops_a_beat_that_nobody_asked_for_behind_an_answer_that_waits(dut):
+async def drops_a_beat_that_nobody_asked_for_behind_answers_that_wait(dut):
     reads = await begin(dut)
-    requests = reads.requests(2)[:1]
+    requests = reads.requests(2)  # as many answers as there are places
     await reads.source.send(reads.packed(requests))
     await ClockCycles(dut.clk_i, 20)
     for identity in range(reads.max_reads):
         reads.memory.stray(identity)
     await ClockCycles(dut.clk_i, 5)
     assert dut.rsp_valid_o.value == 1 and dut.m_axi_rready.value == 0
-    got = await reads.sink.receive(1)
+    got = await reads.sink.receive(2)
     await reads.sink.expect_none(reads.max_reads + 5)
 
-    assert list(map(reads.unpacked, got)) == reads.good(requests)
-    assert reads.events == {"lines": 1, "strays": reads.max_reads}
+    assert sorted(map(reads.unpacked, got)) == sorted(reads.good(requests))
+    assert reads.events == {"lines": 2, "strays": reads.max_reads}
 
 
 @cocotb.test()

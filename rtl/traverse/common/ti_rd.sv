@@ -23,7 +23,7 @@ module ti_rd #(
   parameter bit Woop = ti_config_pkg::TriangleTest == ti_config_pkg::TriangleTestWoop,
   localparam int unsigned AcceptLatency = 1,
   localparam int unsigned ThickLatency = Padded ? 2 * ti_fp_pkg::AddLatency + RayCycles + 1 : 0,
-  localparam int unsigned ClipLatency = ti_fp_pkg::rcp_latency(
+  localparam int unsigned ClipLatency = ti_fp_pkg::ChoiceLatency + ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
   ) + ti_fp_pkg::MulLatency + (3 - RayCycles) + 2 + ti_fp_pkg::CmpLatency,
   localparam int unsigned ShearLatency = Woop ? ti_fp_pkg::MulLatency + 1 : 0,

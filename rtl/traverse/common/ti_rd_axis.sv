@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
+`include "ti_reset.svh"
+
 /// One axis of the set-up of a ray: the inverse direction and the way to the two planes of the scene box.
 ///
 /// inv = 1/d, t = (plane - o) * inv for the near and the far plane (slabs, Kay and Kajiya 1986), each with its own
@@ -8,7 +10,7 @@
 /// `Latency` cycles, one axis a cycle, no stall.  1 RCP, 2 ADD, 2 MUL.
 module ti_rd_axis #(
   localparam int unsigned RcpLatency = ti_fp_pkg::rcp_latency(ti_num_pkg::FracBits),
-  localparam int unsigned Latency = RcpLatency + ti_fp_pkg::MulLatency
+  localparam int unsigned Latency = ti_fp_pkg::ChoiceLatency + RcpLatency + ti_fp_pkg::MulLatency
 ) (
   input logic clk_i,
   input logic rst_ni,
@@ -38,9 +40,27 @@ module ti_rd_axis #(
   end
 
   // Inverse, and beside it the way to the two planes.
-  logic rcp_valid, negative;
+  logic valid, rcp_valid, negative;
   fp_t inv, to_near, to_far, to_near_mul, to_far_mul;
+  fp_t d, near_plane, far_plane, near_from, far_from;
   assign negative = d_i[W-1];
+  ti_delay #(
+    .payload_t(logic [5*W-1:0]),
+    .Cycles   (ti_fp_pkg::ChoiceLatency)
+  ) u_operands (
+    .clk_i,
+    .rst_ni,
+    .data_i({d_i, negative ? {hi_i, lo_i} : {lo_i, hi_i}, near_o_i, far_o_i}),
+    .data_o({d, near_plane, far_plane, near_from, far_from})
+  );
+  if (ti_fp_pkg::ChoiceLatency == 0) begin : gen_at_once
+    assign valid = valid_i;
+  end else begin : gen_registered
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) valid <= 1'b0;
+      else valid <= valid_i;
+    end
+  end
 
   ti_fp_rcp #(
     .ExpBits (E),
@@ -48,8 +68,8 @@ module ti_rd_axis #(
   ) u_rcp (
     .clk_i,
     .rst_ni,
-    .valid_i,
-    .a_i(d_i),
+    .valid_i(valid),
+    .a_i(d),
     .valid_o(rcp_valid),
     .result_o(inv)
   );
@@ -59,9 +79,9 @@ module ti_rd_axis #(
   ) u_to_near (
     .clk_i,
     .rst_ni,
-    .valid_i,
-    .a_i(negative ? hi_i : lo_i),
-    .b_i(near_o_i),
+    .valid_i(valid),
+    .a_i(near_plane),
+    .b_i(near_from),
     .negate_b_i(1'b1),
     .valid_o(),
     .result_o(to_near)
@@ -72,9 +92,9 @@ module ti_rd_axis #(
   ) u_to_far (
     .clk_i,
     .rst_ni,
-    .valid_i,
-    .a_i(negative ? lo_i : hi_i),
-    .b_i(far_o_i),
+    .valid_i(valid),
+    .a_i(far_plane),
+    .b_i(far_from),
     .negate_b_i(1'b1),
     .valid_o(),
     .result_o(to_far)

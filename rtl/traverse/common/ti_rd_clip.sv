@@ -26,7 +26,7 @@ module ti_rd_clip #(
   /// Whether the two origins differ.
   parameter bit Padded = ti_config_pkg::Traversal == ti_config_pkg::TraversalPadded,
   localparam int unsigned Lanes = 4 - RayCycles,
-  localparam int unsigned AxisLatency = ti_fp_pkg::rcp_latency(
+  localparam int unsigned AxisLatency = ti_fp_pkg::ChoiceLatency + ti_fp_pkg::rcp_latency(
       ti_num_pkg::FracBits
   ) + ti_fp_pkg::MulLatency,
   localparam int unsigned SkewLatency = Lanes - 1,  // of the last lane
