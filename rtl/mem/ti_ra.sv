@@ -121,7 +121,7 @@ module ti_ra #(
   place_t fill_place, drain_place;
   slot_t drain_slot;
   elem_t drain_elem;
-  logic rows_empty;
+  logic filled, rows_empty;
 
   // Who is looked up: a request or, in `Retry`, a ray that looks again.
   logic retries;
@@ -197,7 +197,7 @@ module ti_ra #(
     .empty_o       (rows_empty)
   );
 
-  logic filled, stopped, again;
+  logic stopped, again;
   if (Retry) begin : gen_retry
     logic refused;
     assign refused = s1_valid && !filled && !hit && !merge && !may_ask;

@@ -290,7 +290,7 @@ async def forgets_everything_on_reset(dut):
     reads = await begin(dut)
     memory = reads.memory
     memory.latency = lambda: 20
-    requests = reads.requests(reads.max_reads)
+    requests = reads.requests(reads.max_reads + 2)  # two answers wait inside
     await reads.source.send(reads.packed(requests))
     await ClockCycles(dut.clk_i, 40)
     assert dut.rsp_valid_o.value == 1
