@@ -329,7 +329,7 @@ SOME = "every_ray|hit_port|share=0.3|after=333|stay|dropped|flush|corrupt|new_sc
 SHAPES = {
     "tiny": ("", None),
     "cores": (
-        "cores=2 streams=1 core_tile=4 num_trv=5 num_list=2 num_ist1=3 deal_tile=4 stack_depth=0 "
+        "cores=2 streams=1 core_tile=4 num_trv=3 num_list=2 num_ist1=3 deal_tile=4 stack_depth=0 "
         "rd_cycles=1 trv_l2_bytes=2048 trv_l2_banks=2 trv_l2_ways=2 ist1_l2_bytes=1024 "
         "lookup_stages=2 l2_latency=9 ist1_l2_ways=1 ist1_spill=3",
         SOME,

@@ -353,7 +353,7 @@ async def a_flush_makes_every_unit_ask_for_its_lines_again(dut):
 
 BUILDS = {
     "tiny": "",
-    "lines": "num_trv=5 num_list=2 num_ist1=3 line_bytes=32",
+    "lines": "num_trv=3 num_list=2 num_ist1=3 line_bytes=32",
     "as_published": "triangle_test=np",
     "woop": "triangle_test=woop num_trv=3 num_list=2",
     "wide": "num_trv=3 num_list=3 num_ist1=2 line_bytes=128 exp_bits=7 frac_bits=16",

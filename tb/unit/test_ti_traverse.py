@@ -283,8 +283,8 @@ async def a_flush_makes_every_home_ask_for_its_lines_again(dut):
 
 BUILDS = {
     "tiny": "",
-    "lines": "num_trv=5 num_list=2 num_ist1=3 deal_tile=4 line_bytes=32 rd_cycles=1",
-    "wide": "num_trv=3 deal_tile=4 line_bytes=128 exp_bits=7 frac_bits=16 stack_depth=1 "
+    "lines": "num_trv=3 deal_tile=4 line_bytes=32 rd_cycles=1",
+    "wide": "num_trv=2 deal_tile=4 line_bytes=128 exp_bits=7 frac_bits=16 stack_depth=1 "
     "rd_cycles=2",
     "watertight": "traversal=padded triangle_test=woop",
 }
