@@ -10,6 +10,8 @@
 module ti_slot_pool #(
   /// Slots, 2 or more.
   parameter  int unsigned NumSlots  = 2,
+  /// A slot that is given is free a cycle later, and the path from `give_i` ends at a register.
+  parameter  bit          Late      = 1'b0,
   localparam int unsigned SlotWidth = $clog2(NumSlots)
 ) (
   input logic clk_i,
@@ -37,14 +39,27 @@ module ti_slot_pool #(
     else if (take_i && fresh) fresh_q <= fresh_q + 1'b1;
   end
 
+  logic given;
+  logic [SlotWidth-1:0] given_slot;
+  if (!Late) begin : gen_at_once
+    assign given      = give_i;
+    assign given_slot = give_slot_i;
+  end else begin : gen_late
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) given <= 1'b0;
+      else given <= give_i;
+    end
+    always_ff @(posedge clk_i) given_slot <= give_slot_i;
+  end
+
   ti_queue #(
     .payload_t(logic [SlotWidth-1:0]),
     .Depth    (NumSlots)
   ) u_queue (
     .clk_i,
     .rst_ni,
-    .push_i     (give_i),
-    .push_data_i(give_slot_i),
+    .push_i     (given),
+    .push_data_i(given_slot),
     .out_valid_o(queue_valid),
     .out_ready_i(take_old),
     .out_data_o (queue_slot)

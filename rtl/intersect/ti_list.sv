@@ -75,7 +75,8 @@ module ti_list #(
   assign write        = again || (leaf_valid_i && slot_free);  // either
 
   ti_slot_pool #(
-    .NumSlots(NumSlots)
+    .NumSlots(NumSlots),
+    .Late    (ti_config_pkg::LookupStages > 4)
   ) u_pool (
     .clk_i,
     .rst_ni,

@@ -78,7 +78,8 @@ module ti_axi_read #(
   id_t beat_id;
 
   ti_slot_pool #(
-    .NumSlots(NumEntries)
+    .NumSlots(NumEntries),
+    .Late    (ti_config_pkg::LookupStages > 4)
   ) u_pool (
     .clk_i,
     .rst_ni,

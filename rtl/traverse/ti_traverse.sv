@@ -138,7 +138,32 @@ module ti_traverse #(
       end
     end
   end
-  assign idle_o = &trv_idle;
+
+  // Hits in front of their arbiter: at once, or from `lookup_stages` 5 on out of a queue each.
+  logic [NumTrv:0] queued_valid, queued_ready;
+  ti_pkg::hit_t queued[NumTrv+1];
+  for (genvar i = 0; i <= NumTrv; i++) begin : gen_hit
+    if (ti_config_pkg::LookupStages < 5) begin : gen_at_once
+      assign queued_valid[i] = hit_valid[i];
+      assign hit_ready[i]    = queued_ready[i];
+      assign queued[i]       = hit_data[i];
+    end else begin : gen_queue
+      ti_fifo #(
+        .payload_t(ti_pkg::hit_t),
+        .Depth    (2)
+      ) u_queue (
+        .clk_i,
+        .rst_ni,
+        .in_valid_i (hit_valid[i]),
+        .in_ready_o (hit_ready[i]),
+        .in_data_i  (hit_data[i]),
+        .out_valid_o(queued_valid[i]),
+        .out_ready_i(queued_ready[i]),
+        .out_data_o (queued[i])
+      );
+    end
+  end
+  assign idle_o = &trv_idle && queued_valid[NumTrv-1:0] == '0;
 
   ti_arbiter #(
     .payload_t(ti_pkg::hit_t),
@@ -146,10 +171,10 @@ module ti_traverse #(
   ) u_hits (
     .clk_i,
     .rst_ni,
-    .in_valid_i (hit_valid),
-    .in_ready_o (hit_ready),
+    .in_valid_i (queued_valid),
+    .in_ready_o (queued_ready),
     .in_lost_o  (hit_lost),
-    .in_data_i  (hit_data),
+    .in_data_i  (queued),
     .out_valid_o(hit_valid_o),
     .out_ready_i(hit_ready_i),
     .out_data_o (hit_data_o)
