@@ -3,14 +3,15 @@
 /// The small modules of `rtl/common` side by side, with payloads of 16 bits, for their tests.
 ///
 /// Streams: [0] is a `ti_stage`, the others are a `ti_fifo` of `StreamDepth[i]`.  The `ti_queue` has
-/// four entries.  `delayed_data_o[c]` is `data_i`, c cycles late.  Pool i has `PoolSlots[i]` slots.
+/// four entries.  `delayed_data_o[c]` is `data_i`, c cycles late.  Pool i has `PoolSlots[i]` slots; the last one
+/// is late.
 /// Round robin n - 1 has n requests.  RAM and `ti_regfile`, as memory and as registers, share address and writes.
 module ti_common_top #(
   localparam int unsigned NumStreams = 6,
   localparam int unsigned StreamDepth[NumStreams] = '{1, 1, 2, 3, 8, 16},
   localparam int unsigned NumDelays = 8,
-  localparam int unsigned NumPools = 3,
-  localparam int unsigned PoolSlots[NumPools] = '{2, 5, 16},
+  localparam int unsigned NumPools = 4,
+  localparam int unsigned PoolSlots[NumPools] = '{2, 5, 16, 6},
   localparam int unsigned NumRoundRobins = 6
 ) (
   input logic clk_i,
@@ -144,7 +145,8 @@ module ti_common_top #(
     localparam int unsigned SlotWidth = $clog2(PoolSlots[i]);
     logic [SlotWidth-1:0] free_slot;
     ti_slot_pool #(
-      .NumSlots(PoolSlots[i])
+      .NumSlots(PoolSlots[i]),
+      .Late    (i == NumPools - 1)
     ) u_pool (
       .clk_i,
       .rst_ni,
