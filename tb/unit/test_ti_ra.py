@@ -43,7 +43,7 @@ SHAPES = {
     "compare, blocking": (16, 2, 2, 8, 1024, BLOCKING, "lookup_stages=2 fill_bytes=8"),
     "queue": (8, 2, 2, 8, 1024, GATHER, "lookup_stages=3"),
     "line": (16, 4, 4, 8, 2048, GATHER, "trv_rows=4 lookup_stages=4 fill_bytes=8"),
-    "wait": (16, 4, 4, 8, 2048, GATHER, "trv_rows=4 lookup_stages=5 fill_bytes=8"),
+    "wait": (16, 4, 4, 8, 2048, GATHER, "trv_rows=4 lookup_stages=5"),
     "queue, one line": (32, 8, 1, 4, 64, GATHER, "trv_rows=8 lookup_stages=3 fill_bytes=16"),
     "queue, odd": (
         5,
