@@ -175,6 +175,10 @@ def remarks(rows: list[dict]) -> list[str]:
         if clock.get("estimate"):
             texts.append(f"estimate: {clock['of']}, slowest of {clock['units']} units timed alone")
             texts += [f"the engine {clock['why']}"] if "why" in clock else []
+        elif clock.get("timed_on"):
+            seeds = list(clock["seeds"].values())
+            spread = f", {min(seeds):.1f} to {max(seeds):.1f} MHz" if len(seeds) > 1 else ""
+            texts.append(f"timed whole on {clock['timed_on']}, seeds: {len(seeds)}{spread}")
         texts += [row["differs"]] if "differs" in row else []
         if texts:
             lines.append(f"- {row['configuration']}, {row['part']}: {'; '.join(texts)}.")
@@ -285,10 +289,11 @@ class Machine:
         why = misfit(part, cells)
         if device is None:
             return {"why": "no open tool times it"}
-        timed = {}
+        timed, timed_on = {}, {}
         for value in self.stored:
             if value.get("part", "").startswith(device):
                 timed |= value["units"]
+                timed_on = {"timed_on": value["part"]}  # with the speed grade
         if not timed:
             units = self.arguments.unit or ([] if why else [ENGINE])
             if not units:
@@ -298,7 +303,7 @@ class Machine:
                 timed = self.units(f"fmax-{part}.json", "fmax.py", *words)
             except MeritError as error:
                 return {"why": f"not measured: {error}"}
-        return clock_of(timed) | ({"why": why} if why else {})
+        return clock_of(timed) | timed_on | ({"why": why} if why else {})
 
     def rows(self):
         """A row for each part, as they come."""

@@ -96,6 +96,7 @@ def test_a_row_takes_area_clock_and_cycles_together(tmp_path):
 
     text = (tmp_path / "out/merit.md").read_text()
     assert "tiny, osu018: estimate: ti_list, slowest of 2 units timed alone." in text
+    assert "tiny, ecp5: timed whole on ecp5-85k-6, seeds: 1." in text
     assert text.count("40,000 primary rays of cornell, memory fixed, 100 cycles, 64 bytes") == 1
     value = json.loads((tmp_path / "out/merit.json").read_text())
     assert [row["part"] for row in value["rows"]] == ["ecp5", "xcup", "osu018"]
