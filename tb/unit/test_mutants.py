@@ -33,3 +33,11 @@ def test_spacing_does_not_matter_and_words_do(tmp_path):
     assert file.read_text() == "assign a   = b || c[1:0];\n"
     with pytest.raises(mutants.TableError):
         mutants.Mutant(old="b && c[1:0]", **fault).apply(tmp_path)
+
+
+def test_fusesoc_finds_no_core_in_the_copies(tmp_path, monkeypatch):
+    monkeypatch.setattr(mutants, "WORK", tmp_path)
+    monkeypatch.setattr(mutants, "SNAPSHOT", tmp_path / "snapshot")
+    mutants.take_snapshot()
+    assert (tmp_path / "snapshot/ti.core").is_file()
+    assert (tmp_path / "FUSESOC_IGNORE").is_file()
