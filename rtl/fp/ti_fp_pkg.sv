@@ -22,7 +22,7 @@ package ti_fp_pkg;
   /// From `ti_fp_cmp`, which is combinational, to what is decided by it.
   localparam int unsigned CmpLatency = ti_config_pkg::FpCmpStages;
 
-  /// From the multiplexers that choose operands, of a step and of IST1's passes, to the operators.
+  /// From the multiplexers that choose operands, of a step, an axis and a pass of IST1, to the operators.
   localparam int unsigned ChoiceLatency = (ti_config_pkg::LookupStages >= 4) ? 1 : 0;
 
   /// Quotient bits that `ti_fp_rcp` finds in one stage unless its parameter says otherwise.

@@ -163,7 +163,7 @@ module ti_traverse #(
       );
     end
   end
-  assign idle_o = &trv_idle && queued_valid[NumTrv-1:0] == '0;
+  assign idle_o = &trv_idle;
 
   ti_arbiter #(
     .payload_t(ti_pkg::hit_t),

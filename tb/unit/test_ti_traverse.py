@@ -201,7 +201,8 @@ async def deals_whole_tiles_while_rays_wait_in_rd(dut):
     tile, homes = configuration()["deal_tile"], configuration()["num_trv"]
     n = numbers()
     away = ray(n.vec((9, 9, 9)), n.vec((1, 0, 0)))
-    held = HITS_IN_ARBITER + 1
+    queued = 2 if configuration()["lookup_stages"] > 4 else 0  # in front of the arbiter
+    held = queued + HITS_IN_ARBITER + 1
     rays = [away] * held + [through_middle()] * (RAYS_INSIDE_RD - held)
     assert [bench.misses_box(given) for given in rays] == [1] * held + [0] * (len(rays) - held)
     beats = [payloads().pack("ray_t", given, ray_id=i) for i, given in enumerate(rays)]
@@ -285,7 +286,7 @@ BUILDS = {
     "tiny": "",
     "lines": "num_trv=3 deal_tile=4 line_bytes=32 rd_cycles=1",
     "wide": "num_trv=2 deal_tile=4 line_bytes=128 exp_bits=7 frac_bits=16 stack_depth=1 "
-    "rd_cycles=2",
+    "rd_cycles=2 lookup_stages=5",
     "watertight": "traversal=padded triangle_test=woop",
 }
 
