@@ -8,11 +8,13 @@
 /// Every result is taken at once into a queue with a place for each slot; the slot is given back when its
 /// result has gone from there to the register of its output.  One slot a cycle, to outputs that have room: an
 /// output goes before the one served last, and of misses and errors the kind that did not go last.  So a candidate
-/// waits for at most one token, a token for at most three others.  2 cycles from result to output.
+/// waits for at most one token, a token for at most three others.  2 cycles from result to output.  With `Queued` an
+/// output is a queue of two, and no grant waits for its reader.
 module ti_ist1_egress #(
   parameter int unsigned NumSlots = 8,
   /// Bits of what the test leaves for IST2.
   parameter int unsigned ValuesWidth = 4 * ti_num_pkg::FpWidth,
+  parameter bit Queued = ti_config_pkg::LookupStages > 4,
   localparam int unsigned SlotWidth = $clog2(NumSlots),
   localparam int unsigned CandidateWidth = $bits(
       ti_pkg::home_t
@@ -149,31 +151,59 @@ module ti_ist1_egress #(
   end
 
   // Filled only while they have room, so nothing waits at their inputs.
-  ti_stage #(
-    .payload_t(logic [CandidateWidth-1:0])
-  ) u_candidate_stage (
-    .clk_i,
-    .rst_ni,
-    .in_valid_i (inside_goes),
-    .in_ready_o (candidate_room),
-    .in_data_i  (candidate),
-    .out_valid_o(candidate_valid_o),
-    .out_ready_i(candidate_ready_i),
-    .out_data_o (candidate_data_o)
-  );
+  if (Queued) begin : gen_queues
+    ti_fifo #(
+      .payload_t(logic [CandidateWidth-1:0])
+    ) u_candidates (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (inside_goes),
+      .in_ready_o (candidate_room),
+      .in_data_i  (candidate),
+      .out_valid_o(candidate_valid_o),
+      .out_ready_i(candidate_ready_i),
+      .out_data_o (candidate_data_o)
+    );
 
-  ti_stage #(
-    .payload_t(ti_pkg::return_t)
-  ) u_return_stage (
-    .clk_i,
-    .rst_ni,
-    .in_valid_i (return_goes),
-    .in_ready_o (return_room),
-    .in_data_i  (result),
-    .out_valid_o(return_valid_o),
-    .out_ready_i(return_ready_i),
-    .out_data_o (return_data_o)
-  );
+    ti_fifo #(
+      .payload_t(ti_pkg::return_t)
+    ) u_returns (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (return_goes),
+      .in_ready_o (return_room),
+      .in_data_i  (result),
+      .out_valid_o(return_valid_o),
+      .out_ready_i(return_ready_i),
+      .out_data_o (return_data_o)
+    );
+  end else begin : gen_stages
+    ti_stage #(
+      .payload_t(logic [CandidateWidth-1:0])
+    ) u_candidate_stage (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (inside_goes),
+      .in_ready_o (candidate_room),
+      .in_data_i  (candidate),
+      .out_valid_o(candidate_valid_o),
+      .out_ready_i(candidate_ready_i),
+      .out_data_o (candidate_data_o)
+    );
+
+    ti_stage #(
+      .payload_t(ti_pkg::return_t)
+    ) u_return_stage (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (return_goes),
+      .in_ready_o (return_room),
+      .in_data_i  (result),
+      .out_valid_o(return_valid_o),
+      .out_ready_i(return_ready_i),
+      .out_data_o (return_data_o)
+    );
+  end
 
   `TI_ASSERT(OneResultAtATime, !(inside_i && miss_i))
   `TI_ASSERT(GrantOneHot, $onehot0({inside_goes, miss_goes, failed_goes}))

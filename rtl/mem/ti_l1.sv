@@ -14,7 +14,7 @@
 /// pinned.  `write_i` writes a word of an arrived line into a reserved place, two cycles after `alloc_i` or later; `fill_i`
 /// says that it is the last one, `unpin_i` lets the place be a victim again.
 /// Victims: an empty way, else the tree pseudo-LRU way, else the first that is not pinned.
-/// `flush_i` forgets all lines in one cycle; nothing may be pinned or looked up then.
+/// `flush_i` forgets all lines; nothing may be pinned or looked up in its cycle, a look-up of the next one finds none.
 /// Tags and lines map to block RAM; valid, pinned and LRU bits are registers, as many are read and
 /// cleared at once.
 module ti_l1 #(
@@ -185,6 +185,15 @@ module ti_l1 #(
   end
   assign update_again = update_q && update_set_q == next_set;
 
+  // All lines are forgotten from a register too, a cycle after the flush or the reset.  Without `Compare` a set may be
+  // looked up in that cycle.
+  logic forget_q, forgotten;
+  always_ff @(`TI_CLK_RST) begin
+    if (!rst_ni) forget_q <= 1'b1;
+    else forget_q <= flush_i;
+  end
+  assign forgotten = forget_q && !Compare;
+
   // What is known of the set that is looked up, in registers that follow it.
   logic [Ways-1:0] set_valid_q, set_pinned_q;
   logic [TreeNodes-1:0] set_tree_q;
@@ -200,7 +209,7 @@ module ti_l1 #(
     assign unpins = unpin_i && unpin_way_i == WayWidth'(w);
     assign reserved = taken[w] || (update_again && update_alloc_q && update_way_q == WayWidth'(w));
     assign filled = filled_q && filled_set_q == next_set && filled_way_q == WayWidth'(w);
-    assign valid = filled ? filled_good_q : valid_q[next_set][w];
+    assign valid = filled ? filled_good_q : valid_q[next_set][w] && !forgotten;
     always_ff @(posedge clk_i) begin
       if (next_en) begin
         set_valid_q[w] <= (fills && fill_set_i == next_set) ? fill_good_i : valid && !reserved;
@@ -262,21 +271,21 @@ module ti_l1 #(
   always_ff @(`TI_CLK_RST) begin
     if (!rst_ni) begin
       for (int unsigned s = 0; s < Sets; s++) begin
-        valid_q[s]  <= '0;
         pinned_q[s] <= '0;
         tree_q[s]   <= '0;
       end
     end else begin
       if (update_q) tree_q[update_set_q] <= update_tree_q;
-      if (update_q && update_alloc_q) begin
-        valid_q[update_set_q][update_way_q]  <= 1'b0;
-        pinned_q[update_set_q][update_way_q] <= 1'b1;
-      end
-      if (filled_q) valid_q[filled_set_q][filled_way_q] <= filled_good_q;
+      if (update_q && update_alloc_q) pinned_q[update_set_q][update_way_q] <= 1'b1;
       if (unpin_i) pinned_q[unpin_set_i][unpin_way_i] <= 1'b0;
-      if (flush_i) begin
-        for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
-      end
+    end
+  end
+
+  always_ff @(posedge clk_i) begin
+    if (update_q && update_alloc_q) valid_q[update_set_q][update_way_q] <= 1'b0;
+    if (filled_q) valid_q[filled_set_q][filled_way_q] <= filled_good_q;
+    if (forget_q) begin
+      for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
     end
   end
 
@@ -323,6 +332,7 @@ module ti_l1 #(
   `TI_ASSERT(FillsWithAWord, fill_i |-> write_i)
   `TI_ASSERT(UnpinsPinned, unpin_i |-> pinned_q[unpin_set_i][unpin_way_i])
   `TI_ASSERT(AllocatesFree, alloc_i |-> victim_valid_o)
+  `TI_ASSERT(ForgetsNothingNew, forget_q |-> !filled_q && !touch_i)
   `TI_ASSERT(UsesOneWayAtATime, !(touch_i && alloc_i))
 
 endmodule : ti_l1

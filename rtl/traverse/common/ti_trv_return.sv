@@ -96,8 +96,13 @@ module ti_trv_return #(
   back_t token_back_q, back_ram, earlier, back, last_back_q;
 
   always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) token_q <= 1'b0;
-    else token_q <= return_valid_i;
+    if (!rst_ni) begin
+      token_q      <= 1'b0;
+      leaf_begun_q <= '0;
+    end else begin
+      token_q <= return_valid_i;
+      if (token_q) leaf_begun_q[slot_q] <= !all_back;
+    end
   end
   assign begun = leaf_begun_q[return_slot];
   always_ff @(posedge clk_i) begin
@@ -145,11 +150,6 @@ module ti_trv_return #(
   assign back.error = earlier.error || token_back_q.error;
   assign back.count = earlier.count + token_back_q.count;
   assign all_back   = back.count == sent;
-
-  always_ff @(posedge clk_i) begin
-    if (token_q) leaf_begun_q[slot_q] <= !all_back;
-    if (start_i) leaf_begun_q[start_slot_i] <= 1'b0;
-  end
 
   logic has_hit, final_read;
   fp_t best_t;
@@ -303,6 +303,7 @@ module ti_trv_return #(
 
   `TI_ASSERT(RestartsOnlyWhereARayMay, park_i |-> Restart || !park_restart_i)
   `TI_ASSERT(NeverMoreBackThanSent, token_q |-> back.count >= earlier.count && back.count <= sent)
+  `TI_ASSERT(StartsBetweenLeaves, start_i |-> !leaf_begun_q[start_slot_i])
   `TI_COVER(SameSlotInARow, token_q && same_slot_q)
   `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
   `TI_ASSERT_KNOWN(ResumeKnown, resume_o)
