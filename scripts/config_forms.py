@@ -141,11 +141,11 @@ def keys_header(schema: Schema) -> str:
     members = "".join(
         f"  /// {k.text}\n  {_cpp_type(k)} {k.name} = {_cpp(k, k.default)};\n" for k in keys
     )
-    rules = "".join(f"    {_cpp_rule(k)},\n" for k in keys)
+    rules = "".join(f"  take({_cpp_rule(k)});\n" for k in keys)
     formats = ", ".join(f"{{{e}, {m}}}" for e, m in schema.formats)
     return (
         f"{HEAD}// Written by scripts/config_forms.py from configs/schema.yaml.\n"
-        "#pragma once\n\n#include <string>\n#include <tuple>\n\n"
+        "#pragma once\n\n#include <string>\n\n"
         '#include "base/config_rules.hpp"\n#include "base/format.hpp"\n\nnamespace ti {\n\n'
         "/// The number formats that the model is compiled for, in their default modes.\n"
         f"inline constexpr Format kModelFormats[] = {{{formats}}};\n\n{enums}"
@@ -155,8 +155,9 @@ def keys_header(schema: Schema) -> str:
         "  std::string json;  ///< all keys, as the file has them\n"
         "  Format format;  ///< of exp_bits and frac_bits\n"
         f"{members}}};\n\n"
-        "/// What `load_config` asks of each key.\n"
-        f"inline const std::tuple kConfigRules{{\n{rules}}};\n\n"
+        "/// Calls `take` with what `load_config` asks of each key, in their order.\n"
+        "template <typename Take>\n"
+        f"void each_config_rule(Take&& take) {{\n{rules}}}\n\n"
         "}  // namespace ti\n"
     )
 

@@ -95,7 +95,7 @@ Config load_config(const std::filesystem::path& path) {
   Config config;
   config.name = reader.text("name");
   config.json = json.dump();
-  std::apply([&](const auto&... rule) { (reader.read(rule, config), ...); }, kConfigRules);
+  each_config_rule([&](const auto& rule) { reader.read(rule, config); });
   reader.end();
   const bool newton = config.reciprocal == Reciprocal::kNewton;
   config.format = {config.exp_bits,

@@ -178,8 +178,7 @@ nlohmann::json value_in_file(const Rule& rule, const Config& config) {
 nlohmann::json config_json(const nlohmann::json& changes = nlohmann::json::object()) {
   nlohmann::json json{{"name", "odd"}};
   const Config defaults;
-  std::apply([&](const auto&... rule) { ((json[rule.name] = value_in_file(rule, defaults)), ...); },
-             kConfigRules);
+  each_config_rule([&](const auto& rule) { json[rule.name] = value_in_file(rule, defaults); });
   json.update(changes);
   return json;
 }
@@ -196,12 +195,11 @@ TEST_CASE("a configuration is read key by key") {
   CHECK(c.format == Format{7, 16});
   CHECK(c.num_trv == 3);
   CHECK_FALSE(c.counters);
-  const auto same = [&](const auto& rule) {
+  each_config_rule([&](const auto& rule) {
     const std::string key = rule.name;
     INFO(key);
     CHECK(json.at(key) == value_in_file(rule, c));
-  };
-  std::apply([&](const auto&... rule) { (same(rule), ...); }, kConfigRules);
+  });
 }
 
 TEST_CASE("a configuration with a missing, wrong or unknown key is refused by its name") {
