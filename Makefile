@@ -59,6 +59,8 @@ MAKEFLAGS += --no-print-directory
 .NOTPARALLEL:
 
 export PATH := $(CURDIR)/build/venv/bin:$(PATH)
+# Compiled Python is kept in build/, also where the environment says to keep none: each simulation loads it.
+unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/build/pycache
 export CCACHE_DIR ?= $(CURDIR)/build/ccache
 export CCACHE_SLOPPINESS := pch_defines,time_macros
@@ -79,7 +81,7 @@ out = $(if $(value OUT),$(call q,OUT),$(1))
 
 # Folders of the configuration and of its engine: one call of Python, when a recipe first asks.
 overrides = $(foreach word,$(value SET) $(if $(value CORES),cores=$(value CORES)),'$(subst ','\'',$(word))')
-find_folders = $(shell PATH=$(call q,PATH) PYTHONPYCACHEPREFIX=build/pycache \
+find_folders = $(shell PATH=$(call q,PATH) env -u PYTHONDONTWRITEBYTECODE PYTHONPYCACHEPREFIX=build/pycache \
   python scripts/configure.py --build build -- $(call q,CONFIG) $(overrides))
 folders = $(eval folders := $$(find_folders))$(folders)
 config = $(word 1,$(folders))
