@@ -101,7 +101,7 @@ class Passes:
         return results
 
     def _see_room(self):
-        """Outputs that can take a result: a stage of one also when it is read, a queue of two not."""
+        """Outputs that can take a result: a stage also while it is read, a queue of two not."""
         dut, room = self._dut, {}
         for output, held in self._held.items():
             valid = getattr(dut, f"{output}_valid_o").value == 1
