@@ -282,6 +282,10 @@ operators: config ## FP operators and memory bits of CONFIG= beside the publishe
 synth: config ## Latches, loops and memories of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
 	@python scripts/synth_check.py $(config) $(call opt,--unit,UNIT) $(call opt,--json,OUT)
 
+formal: build/setup.stamp ## Proofs of the RTL's properties, covers, and a fault that each must find (UNIT="ti_fifo ti_ra" QUICK=1 OUT=file.json)
+	@scripts/setup.sh --formal
+	@python scripts/formal.py $(call words_of,--unit,UNIT) $(if $(filter-out 0,$(QUICK)),--quick) $(call opt,--json,OUT)
+
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1)
 	@python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)
 
@@ -333,7 +337,7 @@ setup: ## Install what is missing (apt, Python in build/venv)
 	@scripts/setup.sh
 
 clean: ## Remove what builds and runs wrote; the set-up stays (ALL=1: that too)
-	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp ! -name dram ! -name synthesis ! -name cacti ! -name sky130 -exec rm -rf {} +)
+	@$(if $(ALL),rm -rf build,find build -mindepth 1 -maxdepth 1 ! -name venv ! -name ccache ! -name setup.stamp ! -name dram ! -name synthesis ! -name formal ! -name cacti ! -name sky130 -exec rm -rf {} +)
 
 help: ## Show this list
 	@awk 'BEGIN {FS = ":.*## "} /^##@ / {printf "\n%s\n", substr($$0, 5)} \

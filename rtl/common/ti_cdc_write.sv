@@ -56,7 +56,7 @@ module ti_cdc_write #(
     $error("ti_cdc_write: Depth must be a power of two from 2");
   end
 
-  `TI_ASSERT(OneBitAtATime, 1'b1 |=> $onehot0(gray_q ^ $past(gray_q)))
+  `TI_ASSERT_NEXT(OneBitAtATime, 1'b1, $onehot0(gray_q ^ $past(gray_q)))
   `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
 
 endmodule : ti_cdc_write

@@ -42,8 +42,8 @@ module ti_credits #(
     $error("ti_credits: Num must be 1 or more");
   end
 
-  `TI_ASSERT(TakesWhatIsThere, take_i |-> any_o)
-  `TI_ASSERT(GivesWhatWasTaken, give_i |-> !all_o)
+  `TI_ASSERT(TakesWhatIsThere, take_i -> any_o)
+  `TI_ASSERT(GivesWhatWasTaken, give_i -> !all_o)
   `TI_ASSERT(OutputsCount, any_o == (left_q != '0) && all_o == (left_q == CountWidth'(Num)))
 
 endmodule : ti_credits

@@ -96,14 +96,15 @@ module ti_fifo #(
 
     `TI_ASSERT(CountsWhatWaits, waits_q == (behind_q != '0))
     `TI_ASSERT(FullWithAll, full_q == (behind_q == CountWidth'(Behind)))
-    `TI_ASSERT(WaitsBehindTheRegister, waits_q |-> valid_q)
+    `TI_ASSERT(WaitsBehindTheRegister, waits_q -> valid_q)
   end
 
   if (Depth < 1) begin : gen_check_depth
     $error("ti_fifo: Depth must be 1 or more");
   end
 
-  `TI_ASSERT(OutHeldUntilTaken, out_valid_o && !out_ready_i |=> out_valid_o && $stable(out_data_o))
+  `TI_ASSERT_NEXT(OutHeldUntilTaken, out_valid_o && !out_ready_i, out_valid_o && $stable(out_data_o
+                                                                                            ))
   `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)
   `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 

@@ -41,7 +41,7 @@ module ti_queue #(
     $error("ti_queue: Depth must be 1 or more");
   end
 
-  `TI_ASSERT(NeverOverflows, push_i |-> room)
+  `TI_ASSERT(NeverOverflows, push_i -> room)
   `TI_ASSERT_KNOWN(OutValidKnown, out_valid_o)
 `ifdef SYNTHESIS
   logic unused_room;

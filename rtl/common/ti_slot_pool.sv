@@ -79,9 +79,9 @@ module ti_slot_pool #(
       if (take_i) taken_q[free_slot_o] <= 1'b1;
     end
   end
-  `TI_ASSERT(GivesOnlyTaken, give_i |-> taken_q[give_slot_i])
+  `TI_ASSERT(GivesOnlyTaken, give_i -> taken_q[give_slot_i])
 `endif
-  `TI_ASSERT(TakesOnlyFree, take_i |-> free_valid_o)
+  `TI_ASSERT(TakesOnlyFree, take_i -> free_valid_o)
   `TI_ASSERT_KNOWN(FreeValidKnown, free_valid_o)
 
 endmodule : ti_slot_pool

@@ -71,9 +71,9 @@ module ti_xbar #(
   end
 
   for (genvar i = 0; i < NumIn; i++) begin : gen_check
-    `TI_ASSERT(DestExists, in_valid_i[i] |-> 32'(in_dest_i[i]) < NumOut)
-    `TI_ASSERT(TakenOnlyWhenValid, in_ready_o[i] |-> in_valid_i[i])
-    `TI_ASSERT(TakenByItsOutput, in_ready_o[i] |-> grant[in_dest_i[i]][i])
+    `TI_ASSERT(DestExists, in_valid_i[i] -> 32'(in_dest_i[i]) < NumOut)
+    `TI_ASSERT(TakenOnlyWhenValid, in_ready_o[i] -> in_valid_i[i])
+    `TI_ASSERT(TakenByItsOutput, in_ready_o[i] -> grant[in_dest_i[i]][i])
   end
 
   `TI_ASSERT_KNOWN(InReadyKnown, in_ready_o)

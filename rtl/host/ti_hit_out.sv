@@ -53,8 +53,8 @@ module ti_hit_out (
     .out_data_o ({m_axis_tlast, m_axis_tdata})
   );
 
-  `TI_ASSERT(OutHeldUntilTaken, m_axis_tvalid && !m_axis_tready |=> m_axis_tvalid && $stable
-                                ({m_axis_tlast, m_axis_tdata}))
+  `TI_ASSERT_NEXT(OutHeldUntilTaken, m_axis_tvalid && !m_axis_tready, m_axis_tvalid && $stable
+                  ({m_axis_tlast, m_axis_tdata}))
   `TI_ASSERT_KNOWN(ValidKnown, m_axis_tvalid)
 
 endmodule : ti_hit_out

@@ -255,7 +255,7 @@ module ti_host #(
     {in.COUNTER_HI.value.next, in.COUNTER_LO.value.next} = count_q;
   end
 
-  `TI_ASSERT(NoRayDuringAFlush, flush |-> take_i == '0)
+  `TI_ASSERT(NoRayDuringAFlush, flush -> take_i == '0)
   `TI_COVER(FlushWaitsForRays, flush && !idle_i)
 
 endmodule : ti_host

@@ -81,8 +81,8 @@ module ti_ray_in (
     .out_data_o (ray_data_o)
   );
 
-  `TI_ASSERT(HitOnlyOfARay, hit_i |-> inside_q != '0)
-  `TI_ASSERT(ClosedWhileInside, closed_q |-> inside_q != '0)
+  `TI_ASSERT(HitOnlyOfARay, hit_i -> inside_q != '0)
+  `TI_ASSERT(ClosedWhileInside, closed_q -> inside_q != '0)
   `TI_COVER(WaitsForItsPacket, s_axis_tvalid && closed_q)
   `TI_ASSERT_KNOWN(ReadyKnown, s_axis_tready)
 

@@ -207,13 +207,12 @@ module ti_ist1_egress #(
 
   `TI_ASSERT(OneResultAtATime, !(inside_i && miss_i))
   `TI_ASSERT(GrantOneHot, $onehot0({inside_goes, miss_goes, failed_goes}))
-  `TI_ASSERT(CandidateGoesOnlyWhereRoom, inside_goes |-> candidate_room)
-  `TI_ASSERT(ReturnGoesOnlyWhereRoom, return_goes |-> return_room)
-  `TI_ASSERT(CandidateHeldUntilTaken,
-             candidate_valid_o && !candidate_ready_i |=> candidate_valid_o && $stable
-             (candidate_data_o))
-  `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
-                                   (return_data_o))
+  `TI_ASSERT(CandidateGoesOnlyWhereRoom, inside_goes -> candidate_room)
+  `TI_ASSERT(ReturnGoesOnlyWhereRoom, return_goes -> return_room)
+  `TI_ASSERT_NEXT(CandidateHeldUntilTaken, candidate_valid_o && !candidate_ready_i,
+                  candidate_valid_o && $stable(candidate_data_o))
+  `TI_ASSERT_NEXT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i,
+                  return_valid_o && $stable(return_data_o))
   `TI_ASSERT_KNOWN(CandidateValidKnown, candidate_valid_o)
   `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)
 

@@ -257,11 +257,11 @@ module ti_list #(
     events_o.cache = cache_events;
   end
 
-  `TI_ASSERT(LeafHasTriangles, leaf_valid_i |-> leaf_data_i.count != '0)
-  `TI_ASSERT(TestHeldUntilTaken, test_valid_o && !test_ready_i |=> test_valid_o && $stable
-                                 (test_data_o))
-  `TI_ASSERT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i |=> return_valid_o && $stable
-                                   (return_data_o))
+  `TI_ASSERT(LeafHasTriangles, leaf_valid_i -> leaf_data_i.count != '0)
+  `TI_ASSERT_NEXT(TestHeldUntilTaken, test_valid_o && !test_ready_i, test_valid_o && $stable
+                  (test_data_o))
+  `TI_ASSERT_NEXT(ReturnHeldUntilTaken, return_valid_o && !return_ready_i,
+                  return_valid_o && $stable(return_data_o))
   `TI_ASSERT_KNOWN(LeafReadyKnown, leaf_ready_o)
   `TI_ASSERT_KNOWN(TestValidKnown, test_valid_o)
   `TI_ASSERT_KNOWN(ReturnValidKnown, return_valid_o)

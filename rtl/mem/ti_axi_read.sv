@@ -181,10 +181,10 @@ module ti_axi_read #(
     $error("ti_axi_read: MaxReads must be a power of two from 2 to 1024");
   end
 
-  `TI_ASSERT(ArHeldUntilTaken, m_axi_arvalid && !m_axi_arready |=> m_axi_arvalid && $stable
-                               ({m_axi_arid, m_axi_araddr}))
-  `TI_ASSERT(RspHeldUntilTaken, rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable
-                                ({rsp_id_o, rsp_data_o, rsp_error_o}))
+  `TI_ASSERT_NEXT(ArHeldUntilTaken, m_axi_arvalid && !m_axi_arready, m_axi_arvalid && $stable
+                  ({m_axi_arid, m_axi_araddr}))
+  `TI_ASSERT_NEXT(RspHeldUntilTaken, rsp_valid_o && !rsp_ready_i, rsp_valid_o && $stable
+                  ({rsp_id_o, rsp_data_o, rsp_error_o}))
   `TI_ASSERT(OneActivity, $onehot(events_o.activity))
   `TI_COVER(TableFull, req_valid_i && !free_valid)
   `TI_COVER(StrayBeat, beat && !known)

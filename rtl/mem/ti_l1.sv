@@ -154,7 +154,7 @@ module ti_l1 #(
     assign tags     = tags_q;
     assign same_tag = same_tag_q;
 
-    `TI_ASSERT(UsedAsTheNextIsCompared, touch_i || alloc_i |-> compare_en_i)
+    `TI_ASSERT(UsedAsTheNextIsCompared, touch_i || alloc_i -> compare_en_i)
   end
 
   // What a use or an arrived line changes is written a cycle later: the bits of all sets are far away.
@@ -326,13 +326,13 @@ module ti_l1 #(
   end
 
   // Of a look-up that is used: behind one that was, old tags may stand beside new valid bits.
-  `TI_ASSERT(HitsOneWay, touch_i |-> $onehot(match))
-  `TI_ASSERT(AllocatesWhatMissed, alloc_i |-> match == '0)
-  `TI_ASSERT(WritesReserved, write_i |-> pinned_q[fill_set_i][fill_way_i])
-  `TI_ASSERT(FillsWithAWord, fill_i |-> write_i)
-  `TI_ASSERT(UnpinsPinned, unpin_i |-> pinned_q[unpin_set_i][unpin_way_i])
-  `TI_ASSERT(AllocatesFree, alloc_i |-> victim_valid_o)
-  `TI_ASSERT(ForgetsNothingNew, forget_q |-> !filled_q && !touch_i)
+  `TI_ASSERT(HitsOneWay, touch_i -> $onehot(match))
+  `TI_ASSERT(AllocatesWhatMissed, alloc_i -> match == '0)
+  `TI_ASSERT(WritesReserved, write_i -> pinned_q[fill_set_i][fill_way_i])
+  `TI_ASSERT(FillsWithAWord, fill_i -> write_i)
+  `TI_ASSERT(UnpinsPinned, unpin_i -> pinned_q[unpin_set_i][unpin_way_i])
+  `TI_ASSERT(AllocatesFree, alloc_i -> victim_valid_o)
+  `TI_ASSERT(ForgetsNothingNew, forget_q -> !filled_q && !touch_i)
   `TI_ASSERT(UsesOneWayAtATime, !(touch_i && alloc_i))
 
 endmodule : ti_l1

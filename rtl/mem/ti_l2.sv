@@ -166,10 +166,8 @@ module ti_l2 #(
     assign taken[u] = (any && line_rsp_ready_i[u]) ? NumBanks'(1) << index : '0;
 
     // Names of the module: of a name of this block, Verilator takes $stable for that of block 0.
-    `TI_ASSERT(OutHeldUntilTaken,
-               line_rsp_valid_o[u] && !line_rsp_ready_i[u] |=> line_rsp_valid_o[u] && $stable(
-                   line_rsp_data_o[u]
-               ))
+    `TI_ASSERT_NEXT(OutHeldUntilTaken, line_rsp_valid_o[u] && !line_rsp_ready_i[u],
+                    line_rsp_valid_o[u] && $stable(line_rsp_data_o[u]))
   end
 
   always_comb begin

@@ -203,7 +203,7 @@ module ti_l2_bank #(
   end
 
   `TI_ASSERT(AsksWithItsIds,
-             req_valid_i |-> 32'(req_data_i.id) < 2 ** IdWidth && 32'(req_unit_i) < NumUnits)
+             req_valid_i -> 32'(req_data_i.id) < 2 ** IdWidth && 32'(req_unit_i) < NumUnits)
   `TI_ASSERT_KNOWN(ReqReadyKnown, req_ready_o)
   `TI_ASSERT_KNOWN(RspValidKnown, rsp_valid_o)
   `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)

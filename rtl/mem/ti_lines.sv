@@ -70,11 +70,11 @@ module ti_lines #(
     $error("ti_lines: NumUnits must be 1 or more, and the last one a client of the memory port");
   end
 
-  `TI_ASSERT(AnswersOneUnit, rsp_valid_i |-> $onehot(mine))
+  `TI_ASSERT(AnswersOneUnit, rsp_valid_i -> $onehot(mine))
   `TI_ASSERT_KNOWN(LineReqReadyKnown, line_req_ready_o)
   `TI_ASSERT_KNOWN(LineRspValidKnown, line_rsp_valid_o)
   `TI_ASSERT_KNOWN(ReqValidKnown, req_valid_o)
   // It looks at whose answer it is.
-  `TI_ASSERT(RspReadyKnown, rsp_valid_i |-> !$isunknown(rsp_ready_o))
+  `TI_ASSERT_KNOWN_IF(RspReadyKnown, rsp_valid_i, rsp_ready_o)
 
 endmodule : ti_lines

@@ -204,7 +204,7 @@ module ti_memory #(
     .events_o
   );
 
-  `TI_ASSERT(FlushedOnlyIdle, flush_i |-> idle_o)
+  `TI_ASSERT(FlushedOnlyIdle, flush_i -> idle_o)
   `TI_ASSERT_KNOWN(LineReqReadyKnown, line_req_ready_o)
   `TI_ASSERT_KNOWN(LineRspValidKnown, line_rsp_valid_o)
   `TI_ASSERT_KNOWN(ArValidKnown, m_axi_arvalid)

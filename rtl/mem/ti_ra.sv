@@ -371,9 +371,9 @@ module ti_ra #(
     $error("ti_ra: ElemBytes must divide LineBytes into a power of two");
   end
 
-  `TI_ASSERT(OutHeldUntilTaken, rsp_valid_o && !rsp_ready_i |=> rsp_valid_o && $stable
-                                ({rsp_slot_o, rsp_elem_o, rsp_error_o}))
-  `TI_ASSERT(FlushedOnlyIdle, flush_i |-> idle_o && !req_valid_i)
+  `TI_ASSERT_NEXT(OutHeldUntilTaken, rsp_valid_o && !rsp_ready_i, rsp_valid_o && $stable
+                  ({rsp_slot_o, rsp_elem_o, rsp_error_o}))
+  `TI_ASSERT(FlushedOnlyIdle, flush_i -> idle_o && !req_valid_i)
   `TI_ASSERT_KNOWN(ReqReadyKnown, req_ready_o)
   `TI_ASSERT_KNOWN(RspValidKnown, rsp_valid_o)
   `TI_ASSERT_KNOWN(LineReqValidKnown, line_req_valid_o)

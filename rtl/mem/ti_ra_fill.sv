@@ -49,7 +49,8 @@ module ti_ra_fill #(
     end
     always_ff @(posedge clk_i) if (line_valid_i && first) awaited_q <= awaited_i;
 
-    `TI_ASSERT(StandsUntilStored, line_valid_i && !line_ready_o |=> line_valid_i && $stable(line_i))
+    `TI_ASSERT_NEXT(StandsUntilStored, line_valid_i && !line_ready_o, line_valid_i && $stable(line_i
+                    ))
   end
 
   assign word_o = line_i[32'(index_o)*8*WordBytes+:8*WordBytes];

@@ -169,7 +169,7 @@ module ti_ra_rows #(
     assign drain_set_o = set[drain_row];
     assign drain_way_o = way_q[drain_row];
 
-    `TI_ASSERT(OneRowARay, valid_i |-> $onehot0(mine))
+    `TI_ASSERT(OneRowARay, valid_i -> $onehot0(mine))
   end else begin : gen_gather
     typedef struct packed {
       row_t                row;
@@ -237,11 +237,11 @@ module ti_ra_rows #(
     $error("ti_ra_rows: NumSlots must be 2 or more, other sizes 1 or more");
   end
 
-  `TI_ASSERT(OneRowALine, valid_i |-> $onehot0(match))
-  `TI_ASSERT(JoinsTheRowOfItsLine, join_i |-> valid_i && same_o)
-  `TI_ASSERT(FormsAFreeRow, form_i |-> valid_i && free_o && !join_i)
-  `TI_ASSERT(DrainsAFilledRow, drain_i |-> filled_o && busy_q[drain_row] && !waits_q[drain_row])
-  `TI_ASSERT(FillsARowThatWaits, fill_i |-> awaited_o)
+  `TI_ASSERT(OneRowALine, valid_i -> $onehot0(match))
+  `TI_ASSERT(JoinsTheRowOfItsLine, join_i -> valid_i && same_o)
+  `TI_ASSERT(FormsAFreeRow, form_i -> valid_i && free_o && !join_i)
+  `TI_ASSERT(DrainsAFilledRow, drain_i -> filled_o && busy_q[drain_row] && !waits_q[drain_row])
+  `TI_ASSERT(FillsARowThatWaits, fill_i -> awaited_o)
   `TI_COVER(JoinsARowAsItFills, join_i && fill_i && match[fill_row])
 
 endmodule : ti_ra_rows

@@ -113,7 +113,7 @@ module ti_core_deal #(
       .out_ready_i(core_ready_i[c]),
       .out_data_o (core_data_o[c])
     );
-    `TI_ASSERT(QueueHasRoom, push[c] |-> queue_ready[c])
+    `TI_ASSERT(QueueHasRoom, push[c] -> queue_ready[c])
   end
 
   logic unused_ready;

@@ -122,8 +122,8 @@ module ti_engine #(
       .out_data_o (hit_data_o[s])
     );
 
-    `TI_ASSERT(OutHeldUntilTaken,
-               hit_valid_o[s] && !hit_ready_i[s] |=> hit_valid_o[s] && $stable(hit_data_o[s]))
+    `TI_ASSERT_NEXT(OutHeldUntilTaken, hit_valid_o[s] && !hit_ready_i[s], hit_valid_o[s] && $stable(
+                    hit_data_o[s]))
   end
 
   // Rays inside, those in queues included.
@@ -283,7 +283,7 @@ module ti_engine #(
     assign memory_count[c] = (32'(count_unit_q2) < ti_count_pkg::NumUnits) ? counts[memory_unit] :
         '0;
 
-    `TI_ASSERT(IdleMeansEmpty, idle |-> core_idle[c] && memory_idle)
+    `TI_ASSERT(IdleMeansEmpty, idle -> core_idle[c] && memory_idle)
     logic unused_idle;
     assign unused_idle = memory_idle;
   end
@@ -298,7 +298,7 @@ module ti_engine #(
     $error("ti_engine: NumStreams must be 1 or more and divide NumCores");
   end
 
-  `TI_ASSERT(NoHitWithoutARay, give != '0 |-> inside_q != '0)
+  `TI_ASSERT(NoHitWithoutARay, give != '0 -> inside_q != '0)
   `TI_COVER(FlushesIdle, forget_q)
   `TI_COVER(FlushWaitsForRays, flush_q && !idle)
 

@@ -180,7 +180,8 @@ module ti_traverse #(
     .out_data_o (hit_data_o)
   );
 
-  `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT_NEXT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i, hit_valid_o && $stable(hit_data_o
+                                                                                            ))
   `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
   `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
   `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)

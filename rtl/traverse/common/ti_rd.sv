@@ -319,10 +319,11 @@ module ti_rd #(
     else events_o.activity.empty = 1'b1;
   end
 
-  `TI_ASSERT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
-  `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid |-> ray_waits)
+  `TI_ASSERT_NEXT(HitHeldUntilTaken, hit_valid_o && !hit_ready_i, hit_valid_o && $stable(hit_data_o
+                                                                                            ))
+  `TI_ASSERT(RayWaitsWithItsInterval, clipped_valid -> ray_waits)
   `TI_ASSERT(OneHomeARay, $onehot0(dispatch_valid_o))
-  `TI_ASSERT(AnyHitRayOnlyWhereItCanBeTraced, deal |-> AnyHit || !dispatch_data_o.any_hit)
+  `TI_ASSERT(AnyHitRayOnlyWhereItCanBeTraced, deal -> AnyHit || !dispatch_data_o.any_hit)
   `TI_ASSERT_KNOWN(RayReadyKnown, ray_ready_o)
   `TI_ASSERT_KNOWN(DispatchValidKnown, dispatch_valid_o)
   `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)

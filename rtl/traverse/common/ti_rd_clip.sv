@@ -311,7 +311,7 @@ module ti_rd_clip #(
     end
   end
 
-  `TI_ASSERT(StepsOfARayInOrder, valid_i |-> step_i <= LastStep)
+  `TI_ASSERT(StepsOfARayInOrder, valid_i -> step_i <= LastStep)
   `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_rd_clip

@@ -238,7 +238,7 @@ module ti_rd_thick #(
   assign step_o  = along_out.step;
   assign ray_o   = along_out.ray;
 
-  `TI_ASSERT(StepsOfARayInOrder, valid_i |-> step_i <= LastStep)
+  `TI_ASSERT(StepsOfARayInOrder, valid_i -> step_i <= LastStep)
   `TI_ASSERT_KNOWN(ValidKnown, valid_o)
 
 endmodule : ti_rd_thick

@@ -94,8 +94,8 @@ module ti_trv_leaves #(
           tfar: leaf_q.tfar
       };
 
-  `TI_ASSERT(OutHeldUntilTaken, leaf_valid_o && !leaf_ready_i |=> leaf_valid_o && $stable
-                                (leaf_data_o))
+  `TI_ASSERT_NEXT(OutHeldUntilTaken, leaf_valid_o && !leaf_ready_i, leaf_valid_o && $stable
+                  (leaf_data_o))
   `TI_ASSERT_KNOWN(LeafValidKnown, leaf_valid_o)
 
 endmodule : ti_trv_leaves

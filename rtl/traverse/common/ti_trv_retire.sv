@@ -122,7 +122,7 @@ module ti_trv_retire #(
     end
   end else begin : gen_no_any_hit
     assign any_hit_ray = 1'b0;
-    `TI_ASSERT(NoAnyHitRay, start_i |-> !start_any_hit_i)
+    `TI_ASSERT(NoAnyHitRay, start_i -> !start_any_hit_i)
   end
 
   // What the hit is made of.
@@ -179,7 +179,8 @@ module ti_trv_retire #(
   assign free_o      = hit_valid_q && hit_ready_i;
   assign free_slot_o = slot_q;
 
-  `TI_ASSERT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i |=> hit_valid_o && $stable(hit_data_o))
+  `TI_ASSERT_NEXT(OutHeldUntilTaken, hit_valid_o && !hit_ready_i, hit_valid_o && $stable(hit_data_o
+                                                                                            ))
   `TI_ASSERT(StopsOneWay, !(park_i && done_i))
   `TI_ASSERT_KNOWN(HitValidKnown, hit_valid_o)
 

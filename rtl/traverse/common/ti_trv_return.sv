@@ -215,7 +215,7 @@ module ti_trv_return #(
     end
   end else begin : gen_no_any_hit
     assign any_hit = 1'b0;
-    `TI_ASSERT(NoAnyHitRay, start_i |-> !start_any_hit_i)
+    `TI_ASSERT(NoAnyHitRay, start_i -> !start_any_hit_i)
   end
 
   assign counted = '{slot: slot_q, error: back.error, any_hit: any_hit};
@@ -301,9 +301,9 @@ module ti_trv_return #(
     .free_slot_o
   );
 
-  `TI_ASSERT(RestartsOnlyWhereARayMay, park_i |-> Restart || !park_restart_i)
-  `TI_ASSERT(NeverMoreBackThanSent, token_q |-> back.count >= earlier.count && back.count <= sent)
-  `TI_ASSERT(StartsBetweenLeaves, start_i |-> !leaf_begun_q[start_slot_i])
+  `TI_ASSERT(RestartsOnlyWhereARayMay, park_i -> Restart || !park_restart_i)
+  `TI_ASSERT(NeverMoreBackThanSent, token_q -> back.count >= earlier.count && back.count <= sent)
+  `TI_ASSERT(StartsBetweenLeaves, start_i -> !leaf_begun_q[start_slot_i])
   `TI_COVER(SameSlotInARow, token_q && same_slot_q)
   `TI_ASSERT_KNOWN(ReturnReadyKnown, return_ready_o)
   `TI_ASSERT_KNOWN(ResumeKnown, resume_o)

@@ -345,8 +345,8 @@ module ti_kd_state #(
   end
 
   `TI_ASSERT(StackOverflowsOnlyWithRestarts,
-             end_valid_i && push_i |-> Restart || 32'(end_level) < StackDepth)
-  `TI_ASSERT(NoPopOfNothing, end_valid_i && pop_i |-> end_level != '0)
+             end_valid_i && push_i -> Restart || 32'(end_level) < StackDepth)
+  `TI_ASSERT(NoPopOfNothing, end_valid_i && pop_i -> end_level != '0)
   `TI_ASSERT_KNOWN(LateValidKnown, late_valid_o)
 
 endmodule : ti_kd_state

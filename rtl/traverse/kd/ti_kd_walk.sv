@@ -339,8 +339,8 @@ module ti_kd_walk #(
 
   `TI_ASSERT(
       IntervalNotEmpty,
-      end_valid && !end_error |-> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
-  `TI_ASSERT(PushOnlyWhereBothChildrenLieOnTheWay, end_valid_o && push |-> both)
+      end_valid && !end_error -> tmin[ti_num_pkg::FpWidth-2:0] < tmax[ti_num_pkg::FpWidth-2:0])
+  `TI_ASSERT(PushOnlyWhereBothChildrenLieOnTheWay, end_valid_o && push -> both)
   `TI_ASSERT_KNOWN(EndValidKnown, end_valid_o)
 
 endmodule : ti_kd_walk
