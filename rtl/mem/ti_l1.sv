@@ -185,15 +185,6 @@ module ti_l1 #(
   end
   assign update_again = update_q && update_set_q == next_set;
 
-  // All lines are forgotten from a register too, a cycle after the flush or the reset.  Without `Compare` a set may be
-  // looked up in that cycle.
-  logic forget_q, forgotten;
-  always_ff @(`TI_CLK_RST) begin
-    if (!rst_ni) forget_q <= 1'b1;
-    else forget_q <= flush_i;
-  end
-  assign forgotten = forget_q && !Compare;
-
   // What is known of the set that is looked up, in registers that follow it.
   logic [Ways-1:0] set_valid_q, set_pinned_q;
   logic [TreeNodes-1:0] set_tree_q;
@@ -209,7 +200,7 @@ module ti_l1 #(
     assign unpins = unpin_i && unpin_way_i == WayWidth'(w);
     assign reserved = taken[w] || (update_again && update_alloc_q && update_way_q == WayWidth'(w));
     assign filled = filled_q && filled_set_q == next_set && filled_way_q == WayWidth'(w);
-    assign valid = filled ? filled_good_q : valid_q[next_set][w] && !forgotten;
+    assign valid = filled ? filled_good_q : valid_q[next_set][w];
     always_ff @(posedge clk_i) begin
       if (next_en) begin
         set_valid_q[w] <= (fills && fill_set_i == next_set) ? fill_good_i : valid && !reserved;
@@ -281,12 +272,33 @@ module ti_l1 #(
     end
   end
 
-  always_ff @(posedge clk_i) begin
-    if (update_q && update_alloc_q) valid_q[update_set_q][update_way_q] <= 1'b0;
-    if (filled_q) valid_q[filled_set_q][filled_way_q] <= filled_good_q;
-    if (forget_q) begin
-      for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
+  // With `Compare` lines are forgotten a cycle after the flush or the reset, from a register: a set is not looked up before.
+  if (!Compare) begin : gen_forget
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) begin
+        for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
+      end else begin
+        if (update_q && update_alloc_q) valid_q[update_set_q][update_way_q] <= 1'b0;
+        if (filled_q) valid_q[filled_set_q][filled_way_q] <= filled_good_q;
+        if (flush_i) begin
+          for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
+        end
+      end
     end
+  end else begin : gen_forget_late
+    logic forget_q;
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) forget_q <= 1'b1;
+      else forget_q <= flush_i;
+    end
+    always_ff @(posedge clk_i) begin
+      if (update_q && update_alloc_q) valid_q[update_set_q][update_way_q] <= 1'b0;
+      if (filled_q) valid_q[filled_set_q][filled_way_q] <= filled_good_q;
+      if (forget_q) begin
+        for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
+      end
+    end
+    `TI_ASSERT(ForgetsNothingNew, forget_q -> !filled_q && !next_en)
   end
 
   localparam int unsigned Places = Sets * Ways * Words;
@@ -332,7 +344,6 @@ module ti_l1 #(
   `TI_ASSERT(FillsWithAWord, fill_i -> write_i)
   `TI_ASSERT(UnpinsPinned, unpin_i -> pinned_q[unpin_set_i][unpin_way_i])
   `TI_ASSERT(AllocatesFree, alloc_i -> victim_valid_o)
-  `TI_ASSERT(ForgetsNothingNew, forget_q -> !filled_q && !touch_i)
   `TI_ASSERT(UsesOneWayAtATime, !(touch_i && alloc_i))
 
 endmodule : ti_l1

@@ -96,7 +96,7 @@ def tags_of(keys, cache, banks=1):
     """Bits of tags and state of one cache, over its banks, with those of the set looked up.
 
     A use and an arrived line are on their way to the state in registers: two flags, set and way,
-    and the tree after a use. A flush is too, one more flag.
+    and the tree after a use.
     """
     size, ways = keys[f"{cache}_bytes"] // banks, keys[f"{cache}_ways"]
     sets = size // (ways * keys["line_bytes"])
@@ -104,7 +104,7 @@ def tags_of(keys, cache, banks=1):
     tree = max(ways - 1, 1)
     state = (sets + 1) * (2 * ways + tree)
     place = max((sets - 1).bit_length(), 1) + max((ways - 1).bit_length(), 1)
-    return banks * (ways * tag * (max(sets, 2) + 1) + 1 + state + 2 * (2 + place) + tree + 1)
+    return banks * (ways * tag * (max(sets, 2) + 1) + 1 + state + 2 * (2 + place) + tree)
 
 
 @pytest.mark.parametrize("config", ["paper", "tiny", "tiny ist1_l2_bytes=8192 ist1_l2_banks=2"])
