@@ -282,9 +282,9 @@ operators: config ## FP operators and memory bits of CONFIG= beside the publishe
 synth: config ## Latches, loops and memories of CONFIG= by Yosys (UNIT=ti_fp_add OUT=file.json)
 	@python scripts/synth_check.py $(config) $(call opt,--unit,UNIT) $(call opt,--json,OUT)
 
-formal: build/setup.stamp ## Proofs of the RTL's properties, covers, and a fault that each must find (UNIT="ti_fifo ti_ra" QUICK=1 OUT=file.json)
+formal: build/setup.stamp ## Proofs of the RTL's properties, covers, and a fault that each must find (UNIT="ti_fifo ti_arbiter" QUICK=1 OUT=file.json PAGE=file.md)
 	@scripts/setup.sh --formal
-	@python scripts/formal.py $(call words_of,--unit,UNIT) $(if $(filter-out 0,$(QUICK)),--quick) $(call opt,--json,OUT)
+	@python scripts/formal.py $(call words_of,--unit,UNIT) $(if $(filter-out 0,$(QUICK)),--quick) $(call opt,--json,OUT) $(call opt,--page,PAGE)
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1)
 	@python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)

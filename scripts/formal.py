@@ -13,7 +13,8 @@ property.
 Exit status: 0 when all hold, 1 when something is not proven, not reached or not found, 2 when
 something could not be tried.
 
-Usage: scripts/formal.py [--unit MODULE ...] [--quick] [--out DIR] [--json FILE] [--jobs N]
+Usage: scripts/formal.py [--unit MODULE ...] [--quick] [--out DIR] [--json FILE] [--page FILE]
+         [--jobs N]
 """
 
 import argparse
@@ -267,6 +268,7 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="those that `make test` proves")
     parser.add_argument("--out", type=Path, default=ROOT / "build/proofs")
     parser.add_argument("--json", type=Path, metavar="FILE")
+    parser.add_argument("--page", type=Path, metavar="FILE", help="the table as Markdown")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     arguments = parser.parse_args()
     try:
@@ -291,6 +293,8 @@ def main() -> int:
         return 2
     if arguments.json:
         arguments.json.write_text(json.dumps([vars(r) for r in results], indent=1) + "\n")
+    if arguments.page:
+        arguments.page.write_text(page(wanted, results))
     bad = [result for result in results if result.status != "pass"]
     seconds = sum(result.seconds for result in results)
     print(f"{len(results) - len(bad)} of {len(results)} runs good, {seconds:.0f} s of solvers")
@@ -308,6 +312,32 @@ def line(result: Result) -> str:
     }[result.kind]
     says = f": {', '.join(result.says)}" if result.says else ""
     return f"{result.module:16} {result.shape:28} {words}, {result.seconds:.1f} s{says}"
+
+
+def page(proofs: list[Proof], results: list[Result]) -> str:
+    """What is promised of each module, and what came of it."""
+    lines = [
+        "# What is proven of each module\n",
+        "Written by `make formal PAGE=`; [what it means](../formal.md). Seconds: the last shape.\n",
+        "| module | promise | assertions | shapes | method | seconds | covers | fault found |",
+        "|---|---|---:|---|---|---:|---:|---|",
+    ]
+    for proof in proofs:
+        mine = [r for r in results if r.module == proof.module]
+        done = [r for r in mine if r.kind == "proof"]
+        good = all(r.status == "pass" for r in mine)
+        cells = [
+            f"`{proof.module}`",
+            proof.promise(),
+            str(len(done[-1].asserted)),
+            "; ".join(proof.shapes) or "the default",
+            proof.method if good else "**not proven**",
+            f"{done[-1].seconds:.1f}",
+            str(proof.covers()),
+            f"`{proof.fault}`",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# test.sh [PART_OF_A_NAME]: what `make test` runs, builds first.  Lint, C++ and the quick mutants run
+# test.sh [PART_OF_A_NAME]: what `make test` runs, builds first.  Lint, C++, the quick mutants and proofs run
 # beside the tests of the RTL, behind them for the processor.  A stage that fails does not hide the
 # next ones.  The table of stages is also in build/test/stages.txt, the slowest tests beside it.
 # Needs the environment of the Makefile.
@@ -42,6 +42,7 @@ beside() {
   stage "build: sanitizers" make sanitized &&
     logged "C++ with sanitizers" build/sanitize/ti_tests.log build/sanitize/ti_tests
   stage "mutants" make mutants TEST= QUICK=1
+  stage "proofs" make formal UNIT= QUICK=1 OUT= PAGE=
 }
 
 stage "build: C++, scene" make -s sw build/scenes/knot.ply || exit 1
@@ -57,7 +58,7 @@ others=$!
 set +m
 trap 'kill -- -$others 2>/dev/null; exit 130' INT TERM
 
-echo "test: RTL; beside it lint, C++ and mutants"
+echo "test: RTL; beside it lint, C++, mutants and proofs"
 # TEST would also choose among the cocotb tests of each module.
 stage "RTL" env -u TEST pytest -n "$(nproc)" --dist loadfile --no-loadscope-reorder ${part:+-k "$part"}
 wait "$others"
