@@ -298,7 +298,9 @@ module ti_l1 #(
         for (int unsigned s = 0; s < Sets; s++) valid_q[s] <= '0;
       end
     end
-    `TI_ASSERT(ForgetsNothingNew, forget_q -> !filled_q && !next_en)
+    `TI_ASSERT(ForgetsNothingNew, forget_q -> !filled_q)
+    `TI_ASSERT(NothingIsFoundMeanwhile, forget_q -> !touch_i)
+    `TI_ASSERT_NEXT(NothingHadBeenLookedUp, forget_q, !touch_i)
   end
 
   localparam int unsigned Places = Sets * Ways * Words;
