@@ -8,9 +8,8 @@
 /// later.  All paths start and end in registers except the inputs.  A stage works only for a valid
 /// pair.  With 4 stages the operands stand in registers in front of the multiplier, which leaves
 /// time for what the caller has in front; with 5 the product is made in two halves, added in the
-/// next stage; with 6 the product moves in two stages, with 7 its last place has one of its own, with
-/// 8 each half is made of two quarters, and with 9 the operands stand in registers before they are
-/// unpacked: one more cycle for the way to the multiplier, which may be far.
+/// next stage; with 6 the product moves in two stages, with 7 its last place has one of its own, and
+/// with 8 each half is made of two quarters.
 ///
 /// IEEE 754: one rounding to nearest even; subnormals kept on both sides; overflow gives infinity;
 /// a NaN operand or 0 * infinity gives the one quiet NaN (sign 0, fraction 10...0); the sign of
@@ -26,7 +25,7 @@ module ti_fp_mul #(
   parameter int unsigned ExpBits = 8,
   /// Stored fraction bits, 2 to 23.
   parameter int unsigned FracBits = 23,
-  /// Register stages, 3 to 9.
+  /// Register stages, 3 to 8.
   parameter int unsigned Stages = ti_fp_pkg::MulLatency,
   /// Whether results are rounded toward zero; to nearest even when not.
   parameter bit TowardZero = ti_fp_pkg::TowardZero,
@@ -46,7 +45,6 @@ module ti_fp_mul #(
 );
 
   // A step of latency 0 is done in the stage of the next one.
-  localparam int unsigned TakeLatency = (Stages >= 9) ? 1 : 0;
   localparam int unsigned UnpackLatency = (Stages >= 4) ? 1 : 0;
   localparam int unsigned QuartersLatency = (Stages >= 8) ? 1 : 0;
   localparam int unsigned HalvesLatency = (Stages >= 5) ? 1 : 0;
@@ -56,9 +54,8 @@ module ti_fp_mul #(
   localparam int unsigned TopLatency = 1;
   localparam int unsigned RoundLatency = 1;
 
-  // The stage of each step; that of taking the operands is 0.
-  localparam int unsigned UnpackStage = TakeLatency;
-  localparam int unsigned QuartersStage = UnpackStage + UnpackLatency;
+  // The stage of each step; that of unpacking is 0.
+  localparam int unsigned QuartersStage = UnpackLatency;
   localparam int unsigned HalvesStage = QuartersStage + QuartersLatency;
   localparam int unsigned ProductStage = HalvesStage + HalvesLatency;
   localparam int unsigned ScaleStage = ProductStage + ProductLatency;
@@ -89,7 +86,7 @@ module ti_fp_mul #(
     $error("ti_fp_mul: FracBits must be 2 to 23.");
   end
   if (Latency != Stages) begin : gen_check_stages
-    $error("ti_fp_mul: Stages must be 3 to 9.");
+    $error("ti_fp_mul: Stages must be 3 to 8.");
   end
 
   typedef struct packed {
@@ -111,17 +108,19 @@ module ti_fp_mul #(
   end
 
   // Registers behind each step; those of a step of latency 0 are not used.
-  logic [Width-1:0] take_a_q, take_b_q;
-
-  logic [SigBits-1:0] unpack_a_q, unpack_b_q, unpack_left_q;
+  logic [SigBits-1:0] unpack_a_q;
+  logic [SigBits-1:0] unpack_b_q;
+  logic [SigBits-1:0] unpack_left_q;
   logic unpack_counts_q;
   logic [SumExpBits-1:0] unpack_exp_q;  // of the product's top bit, two's complement
   side_t unpack_side_q;
 
-  logic [SigBits-1:0] quarters_a_q, quarters_b_q, quarters_left_q;
+  logic [SigBits-1:0] quarters_a_q;
+  logic [SigBits-1:0] quarters_b_q;
   logic [2*LowBits-1:0] quarters_low_q;
   logic [SigBits-1:0] quarters_cross_q[2];
   logic [2*HighBits-1:0] quarters_high_q;
+  logic [SigBits-1:0] quarters_left_q;
   logic quarters_counts_q;
   logic [SumExpBits-1:0] quarters_exp_q;
   side_t quarters_side_q;
@@ -159,7 +158,6 @@ module ti_fp_mul #(
   always_ff @(posedge clk_i) begin
     automatic logic [Latency-1:0] valid;
     automatic side_t side;
-    automatic logic [Width-1:0] word_a, word_b;
     automatic logic [ExpBits-1:0] exp_a, exp_b;
     automatic logic [FracBits-1:0] frac_a, frac_b;
     automatic logic max_a, max_b, zero_a, zero_b;
@@ -180,18 +178,13 @@ module ti_fp_mul #(
     valid = {valid_q[Latency-2:0], valid_i};
     if (valid != '0) begin
       for (int k = int'(Latency) - 1; k >= 0; k--) begin
-        if (k == 0 && TakeLatency != 0 && valid[k]) begin
-          take_a_q <= a_i;
-          take_b_q <= b_i;
-        end
-
         // Unpack: significands with their leading bit; exponent 0 has the scale of exponent 1.  One
         // significand may have leading zeros when the product moves left.
-        if (k == int'(UnpackStage) && valid[k]) begin
-          word_a = (TakeLatency != 0) ? take_a_q : a_i;
-          word_b = (TakeLatency != 0) ? take_b_q : b_i;
-          {exp_a, frac_a} = word_a[Width-2:0];
-          {exp_b, frac_b} = word_b[Width-2:0];
+        if (k == 0 && valid[k]) begin
+          exp_a = a_i[FracBits+:ExpBits];
+          exp_b = b_i[FracBits+:ExpBits];
+          frac_a = a_i[FracBits-1:0];
+          frac_b = b_i[FracBits-1:0];
           max_a = &exp_a;
           max_b = &exp_b;
           zero_a = exp_a == '0 && (Flush || frac_a == '0);
@@ -200,7 +193,7 @@ module ti_fp_mul #(
           sig_b = {Flush || exp_b != '0, frac_b};
           counts = !Flush && !(sig_a[SigBits-1] && sig_b[SigBits-1]);
           left = sig_a[SigBits-1] ? sig_b : sig_a;
-          side.sign = word_a[Width-1] ^ word_b[Width-1];
+          side.sign = a_i[Width-1] ^ b_i[Width-1];
           side.to_inf = max_a || max_b;
           side.to_nan = (max_a && frac_a != '0) || (max_b && frac_b != '0)
               || (max_a && zero_b) || (max_b && zero_a);

@@ -347,7 +347,7 @@ SHAPES = {
     "format": (
         "exp_bits=7 frac_bits=16 line_bytes=128 num_trv=3 num_list=2 addr_bits=40 "
         "ray_accumulation=blocking "
-        "fp_add_stages=10 fp_mul_stages=9 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=5 "
+        "fp_add_stages=10 fp_mul_stages=8 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=5 "
         "fp_cmp_stages=1 lookup_stages=5 fill_bytes=8 ring_delays=0 sync_reset=0",
         f"{SOME}|hard_cases",
     ),

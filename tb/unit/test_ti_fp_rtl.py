@@ -15,7 +15,7 @@ EXHAUSTIVE = [(3, 2), (3, 4), (4, 3), (5, 4)]
 SAMPLED = [(5, 10), (7, 16), (8, 23)]
 KEYS = ("fp_add_stages", "fp_mul_stages", "fp_rcp_bits_per_stage", "fp_rcp_end_stages")
 PAPER = configure.load("paper").values
-# The first stages are those of the configuration `paper`.
+# The first stages are those of the configuration `paper`; 7 and 5 are the most.
 DEEPER = [tuple(PAPER[key] for key in KEYS), (7, 4, 1, 4), (6, 5, 3, 4)]
 MODES = {
     "zero": ["rounding=zero"],

@@ -372,7 +372,7 @@ def test_ti_rd_of_the_watertight_machine(ray_cycles):
 @pytest.mark.parametrize("ray_cycles", [1, 3])
 def test_ti_rd_of_deep_operators(ray_cycles):
     """The longest latency that a configuration can ask for."""
-    deepest = "fp_add_stages=10 fp_mul_stages=9 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=5"
+    deepest = "fp_add_stages=10 fp_mul_stages=8 fp_rcp_bits_per_stage=1 fp_rcp_end_stages=5"
     deepest += " fp_cmp_stages=1 lookup_stages=4"
     only = "takes_a_ray_in|the_latency_is|keeps_its_rate|misses_leave"
     config = f"tiny {deepest}"
