@@ -39,6 +39,7 @@ TEST ?=
 UNIT ?=
 QUICK ?=
 ID ?=
+IMAGES ?=
 FORMATS ?=
 TESTS ?=
 TRAVERSALS ?=
@@ -187,6 +188,13 @@ hardcase: need-ID check-engine no-host config $(ti) $(foreach e,$(case_engines),
 waves-engine: config build/sw/libti_sw.a
 	@mkdir -p $(waves_engine)
 	@scripts/build_engine.sh $(waves_engine) $(MAKE) config=$(engine)/config waves=1 what="$(notdir $(config)), waves" $(if $(findstring jobserver,$(MAKEFLAGS)),,-j $(jobs))
+
+faults: check-engine no-host config $(ti) $(call library,$(ENGINE)) $(call made,$(value SCENE)) ## Rays on damaged copies of the scene's image, RTL beside model: what ends how (IMAGES=1000 RAYS=inside:32 SEED= SCENE= CONFIG= SET="addr_bits=33 watchdog_steps=1000" ENGINE=rtl|model OUT=)
+	@$(ti) faults --images $(if $(value IMAGES),$(call q,IMAGES),1000) --rays $(if $(value RAYS),$(call q,RAYS),inside:32) \
+	  --config $(config)/config.json --engine $(ENGINE) --scene $(scene) $(call rtl,$(ENGINE)) $(call opt,--seed,SEED) $(memory) \
+	  --out $(call out,build/faults/$(run_name))
+# A walk in a circle ends at the watchdog, soon; and no node number reaches around all addresses.
+faults: SET := $(or $(value SET),addr_bits=33 watchdog_steps=1000)
 
 testfloat: need-FILE need-OP check-format build/setup.stamp ## Lines of Berkeley TestFloat on an operator (OP=add FORMAT=8,23 FILE=)
 	@scripts/logged.sh build/fp/$(fp)/build.log "build: FP operators ($(FORMAT))" \

@@ -276,9 +276,9 @@ std::uint32_t image_checksum(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(sum);
 }
 
-Image::Image(std::vector<std::uint8_t> bytes, const std::string& origin)
+Image::Image(std::vector<std::uint8_t> bytes, const std::string& origin, ImageCheck check)
     : bytes_(std::move(bytes)), parts_(ImageChecker(*this, origin).find_parts()) {
-  ImageChecker(*this, origin).check_contents();
+  if (check == ImageCheck::All) ImageChecker(*this, origin).check_contents();
 }
 
 Image Image::load(const std::filesystem::path& path) {
@@ -308,6 +308,12 @@ Format Image::format() const {
 
 std::span<const ImageNode> Image::nodes() const {
   return elements<ImageNode>(bytes_, parts_.node_offset, parts_.node_count);
+}
+
+std::span<const ImageNode> Image::reach_of_nodes() const {
+  const std::size_t bytes = bytes_.size() - parts_.node_offset;
+  return elements<ImageNode>(bytes_, parts_.node_offset,
+                             static_cast<std::uint32_t>(bytes / sizeof(ImageNode)));
 }
 
 std::span<const std::uint32_t> Image::list() const {

@@ -137,12 +137,17 @@ struct ImageCorners {
 /// The record packed into `corner_bytes(format)` bytes.
 [[nodiscard]] std::vector<std::uint8_t> pack(const ImageCorners& corners, Format format);
 
+/// What of an image is checked: everything, or what says where its sections are and nothing in
+/// them.
+enum class ImageCheck : std::uint8_t { All, Places };
+
 /// A memory image: the same bytes for the model, the RTL and a host.
 class Image {
  public:
   /// Takes the bytes and checks them: magic, version, sizes, kinds, sections, checksum, every
   /// index. Throws `Error` with a sentence that starts with `origin`.
-  Image(std::vector<std::uint8_t> bytes, const std::string& origin);
+  Image(std::vector<std::uint8_t> bytes, const std::string& origin,
+        ImageCheck check = ImageCheck::All);
 
   [[nodiscard]] static Image load(const std::filesystem::path& path);
 
@@ -151,6 +156,8 @@ class Image {
   [[nodiscard]] Format format() const;
   [[nodiscard]] std::span<const std::uint8_t> bytes() const { return bytes_; }
   [[nodiscard]] std::span<const ImageNode> nodes() const;
+  /// What a node number reaches: the nodes and all that stands behind them.
+  [[nodiscard]] std::span<const ImageNode> reach_of_nodes() const;
   [[nodiscard]] std::span<const std::uint32_t> list() const;
   [[nodiscard]] std::span<const ImagePlane> planes() const;
   [[nodiscard]] std::span<const ImageBary> barys() const;

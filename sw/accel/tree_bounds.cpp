@@ -43,8 +43,9 @@ std::optional<TreeBounds> tree_bounds(const Image& image) {
       continue;
     }
     for (const bool upper : {false, true}) {
-      Path& child = paths[upper == node.reorder() ? i + 1 : node.other()];
-      if (child.reached) return std::nullopt;
+      const std::uint32_t number = upper == node.reorder() ? i + 1 : node.other();
+      if (number <= i || number >= nodes.size() || paths[number].reached) return std::nullopt;
+      Path& child = paths[number];
       child = path;
       ++child.turns[node.axis()][upper ? 1 : 0];
       ++child.depth;
@@ -63,8 +64,9 @@ int tree_depth(const Image& image) {
       deepest = std::max(deepest, depths[i]);
       continue;
     }
-    for (const std::uint32_t child : {i + 1, nodes[i].other()})
-      depths[child] = std::max(depths[child], depths[i] + 1);
+    for (const std::uint32_t child : {i + 1, nodes[i].other()}) {
+      if (child > i && child < nodes.size()) depths[child] = std::max(depths[child], depths[i] + 1);
+    }
   }
   return deepest;
 }

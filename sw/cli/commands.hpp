@@ -32,7 +32,8 @@ struct Arguments {
   std::optional<int> case_number;  ///< of hard cases: that one alone, with its steps
   std::string base_file;           ///< configuration that a machine was planned on; empty: none was
   std::filesystem::path keys;      ///< of machine: file for them; empty: render
-  std::uint64_t count = 100000;    ///< of accuracy and ladder: rays of each kind
+  std::uint64_t count = 100000;    ///< of accuracy and ladder: rays of each kind; of faults: images
+  std::uint64_t first = 0;         ///< of faults: number of the first image
   double work = 1e8;               ///< of accuracy: steps and tests for rays of a kind in a format
   int spp = 1;
   int bounces = 4;
@@ -54,6 +55,9 @@ int hardcases(const Arguments& arguments);
 /// All hard cases and kinds of rays on the model of each format and test; a table and JSON lines in
 /// the folder `arguments.run.out`.
 int ladder(const Arguments& arguments);
+/// Rays on many damaged copies of the scene's image, on the model or on RTL and model; a table and
+/// `faults.json` in the folder `arguments.run.out`.
+int faults(Arguments& arguments);
 /// The keys that a picture calls for, as `SET=` has them, in the file `arguments.run.out`.
 int machine(Arguments& arguments);
 

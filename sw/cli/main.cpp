@@ -181,6 +181,18 @@ int run(int argc, char** argv) {
   ladder_command->add_option("--seed", arguments.seed, "of the rays");
   ladder_command->add_option("--out", arguments.run.out, "folder for the table")->required();
 
+  CLI::App* faults_command =
+      app.add_subcommand("faults", "trace rays on damaged copies of a scene's memory image");
+  add_config(*faults_command, arguments);
+  add_engine(*faults_command, arguments);
+  add_scene(*faults_command, arguments);
+  faults_command->add_option("--rays", arguments.rays, "KIND:COUNT of each image")->required();
+  faults_command->add_option("--images", arguments.count, "number of damaged images")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40));
+  faults_command->add_option("--first", arguments.first, "number of the first one");
+  faults_command->add_option("--seed", arguments.seed, "of faults and rays");
+  faults_command->add_option("--out", arguments.run.out, "folder for the report")->required();
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -196,6 +208,7 @@ int run(int argc, char** argv) {
   if (trace_command->parsed()) return ti::trace(arguments);
   if (image_command->parsed()) return ti::image(arguments);
   if (ladder_command->parsed()) return ti::ladder(arguments);
+  if (faults_command->parsed()) return ti::faults(arguments);
   return ti::hardcases(arguments);
 }
 

@@ -11,6 +11,7 @@ namespace ti {
 namespace {
 
 constexpr std::size_t kExamples = 4;
+constexpr std::int32_t kNoPrim = HitBits{}.prim;  // a damaged image may name any other
 
 std::string text_of(const Work& work) {
   return fmt::format("steps {} leaves {} ({} full) restarts {} tests {} / {} / {}", work.steps,
@@ -59,7 +60,7 @@ LockStep compare(const ModelRun& model, std::span<const Answer> answers, std::ui
   for (const Answer& answer : answers) {
     const HitBits& expected = model.hits[answer.ray - first];
     const bool excused = excuse_memory && answer.hit.status == Status::MemoryError && !answer.found;
-    if (excused || (answer.hit == expected && answer.found == (expected.prim >= 0))) continue;
+    if (excused || (answer.hit == expected && answer.found == (expected.prim != kNoPrim))) continue;
     ++result.mismatches;
     if (result.examples.size() < kExamples) {
       result.examples.push_back(fmt::format("ray {}: RTL {}; model {}", answer.ray,

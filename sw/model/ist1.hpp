@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -58,6 +60,11 @@ template <class F>
 
 }  // namespace detail
 
+/// The axis w as the engine takes it: the two lowest bits, 3 as 2.
+[[nodiscard]] inline std::size_t axis_of(const ImagePlane& plane) {
+  return std::min(plane.axis & 3U, 2U);
+}
+
 /// Pass (a), ray against plane (Shevtsov et al. 2007); nothing when the test is done.
 ///
 /// Bit-exact model of `ti_ist1_pipe`, pass (a): det = (nu du + nv dv) + dw; dett = (nu au + nv av)
@@ -67,7 +74,7 @@ template <class F>
 template <TestKind kKind, class F>
 [[nodiscard]] std::optional<AfterA<F>> pass_a(const ImagePlane& plane, const Vec3<F>& o,
                                               const Vec3<F>& d, const TestRange<F>& range) {
-  const std::size_t w = plane.axis;
+  const std::size_t w = axis_of(plane);
   const std::size_t u = (w + 1) % 3;
   const std::size_t v = (w + 2) % 3;
   const F nu = F::from_bits(plane.nu);
@@ -102,8 +109,8 @@ template <TestKind kKind, class F>
 template <class F>
 [[nodiscard]] std::optional<AfterB<F>> pass_b(const ImagePlane& plane, const ImageBary& bary,
                                               const Vec3<F>& d, const AfterA<F>& a) {
-  const std::size_t u = (plane.axis + 1) % 3;
-  const std::size_t v = (plane.axis + 2) % 3;
+  const std::size_t u = (axis_of(plane) + 1) % 3;
+  const std::size_t v = (axis_of(plane) + 2) % 3;
   const F du = d[u] * a.dett - a.audet;
   const F dv = d[v] * a.dett - a.av * a.det;
   const F detu = F::from_bits(bary.e1v) * du - F::from_bits(bary.e1u) * dv;

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -23,8 +25,20 @@ struct Walked {
 /// What the tests of a leaf leave behind.
 template <class F>
 struct LeafEnd {
-  F best;      ///< least t of a hit so far, or the ray's tmax
-  bool ended;  ///< the ray asks for no more
+  F best;       ///< least t of a hit so far, or the ray's tmax
+  bool ended;   ///< the ray asks for no more
+  bool failed;  ///< an entry of its list names no triangle; those after it were not tested
+};
+
+/// The list entries of a leaf, as far as the list goes.
+struct LeafEntries {
+  LeafEntries(std::span<const std::uint32_t> list, const ImageNode& leaf) {
+    const std::size_t first = std::min<std::size_t>(leaf.value, list.size());
+    entries = list.subspan(first, std::min<std::size_t>(leaf.count(), list.size() - first));
+    cut = entries.size() != leaf.count();
+  }
+  std::span<const std::uint32_t> entries;
+  bool cut;  ///< the leaf has more
 };
 
 /// Where a walk ends at the latest.
@@ -44,7 +58,7 @@ class KdTree {
   static constexpr Traversal kTraversal = Traversal::kPlain;
 
   explicit KdTree(const Image& image)
-      : root_(image.header().root), nodes_(image.nodes()), list_(image.list()) {}
+      : root_(image.header().root), nodes_(image.reach_of_nodes()), list_(image.list()) {}
 
   /// Where the ray begins for this walk.
   [[nodiscard]] static Origins<F> origins(const Box<F>&, const FpRay<F>& ray) {
@@ -52,7 +66,8 @@ class KdTree {
   }
 
   /// Calls `visit(records, entry, exit)` for each leaf, with the t at which the ray enters and
-  /// leaves it; the walk ends when the best t is not beyond the exit.
+  /// leaves it; the walk ends when the best t is not beyond the exit, and where the tree is
+  /// damaged.
   template <class Visit>
   [[nodiscard]] Walked walk(const Clipped<F>& clipped, const WalkLimits& limits, Work& work,
                             const StepLog* log, const Visit& visit) const;
@@ -76,6 +91,7 @@ Walked KdTree<F>::walk(const Clipped<F>& clipped, const WalkLimits& limits, Work
     ++work.steps;
     if (steps >= limits.watchdog_steps) return {Status::Watchdog, steps};
     ++steps;
+    if (index >= nodes_.size()) return {Status::MemoryError, steps};
     const ImageNode node = nodes_[index];
     if (!node.is_leaf()) {
       const F t = split_distance(node, clipped.origins.least, clipped.inv);
@@ -90,11 +106,14 @@ Walked KdTree<F>::walk(const Clipped<F>& clipped, const WalkLimits& limits, Work
       continue;
     }
 
+    if (node.count() > kMaxLeafCount) return {Status::MemoryError, steps};
     ++work.leaves;
     const F exit = tmax;
     if (log) (*log)(fmt::format("node {} leaf {} exit {:08x}", index, node.count(), exit.bits()));
     if (node.count() != 0) ++work.full_leaves;
-    const LeafEnd<F> end = visit(list_.subspan(node.value, node.count()), tmin, exit);
+    const LeafEntries leaf(list_, node);
+    const LeafEnd<F> end = visit(leaf.entries, tmin, exit);
+    if (end.failed || leaf.cut) return {Status::MemoryError, steps};
     if (end.ended || end.best <= exit) return {Status::Ok, steps};
     if (!stack.empty()) {
       const auto top = stack.pop();

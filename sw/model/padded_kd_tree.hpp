@@ -60,7 +60,7 @@ class PaddedKdTree {
   static constexpr Traversal kTraversal = Traversal::kPadded;
 
   explicit PaddedKdTree(const Image& image)
-      : root_(image.header().root), nodes_(image.nodes()), list_(image.list()) {}
+      : root_(image.header().root), nodes_(image.reach_of_nodes()), list_(image.list()) {}
 
   [[nodiscard]] static Origins<F> origins(const Box<F>& box, const FpRay<F>& ray) {
     return thick_origins(box, ray.o, ray.d);
@@ -94,7 +94,10 @@ Walked PaddedKdTree<F>::walk(const Clipped<F>& clipped, const WalkLimits& limits
     ++work.steps;
     if (steps >= limits.watchdog_steps) return {Status::Watchdog, steps};
     ++steps;
+    if (index >= nodes_.size()) return {Status::MemoryError, steps};
     const ImageNode node = nodes_[index];
+    if (node.is_leaf() ? node.count() > kMaxLeafCount : level == kTrailLevels)
+      return {Status::MemoryError, steps};
     const F left_from = stack.empty() ? dropped_from : stack.top().tmin;
     if (!node.is_leaf()) {
       const Crossing<F> t{split_distance(node, clipped.origins.least, clipped.inv),
@@ -123,7 +126,9 @@ Walked PaddedKdTree<F>::walk(const Clipped<F>& clipped, const WalkLimits& limits
     ++work.leaves;
     if (log) (*log)(fmt::format("node {} leaf {} exit {:08x}", index, node.count(), tmax.bits()));
     if (node.count() != 0) ++work.full_leaves;
-    const LeafEnd<F> end = visit(list_.subspan(node.value, node.count()), tmin, tmax);
+    const LeafEntries leaf(list_, node);
+    const LeafEnd<F> end = visit(leaf.entries, tmin, tmax);
+    if (end.failed || leaf.cut) return {Status::MemoryError, steps};
     if (end.ended || end.best < left_from) return {Status::Ok, steps};
     level = trail.next(level) + 1;
     if (level == 0) return {Status::Ok, steps};

@@ -24,6 +24,8 @@ class PlaneTest {
   PlaneTest(const Image& image, bool early_exit)
       : planes_(image.planes()), barys_(image.barys()), early_exit_(early_exit) {}
 
+  /// Number of records.
+  [[nodiscard]] std::size_t size() const { return planes_.size(); }
   /// Number of the triangle in the mesh.
   [[nodiscard]] std::uint32_t prim(std::uint32_t record) const { return planes_[record].prim; }
 

@@ -54,8 +54,9 @@ class TracerOf final : public Tracer {
     Best best{ray.tmax, F{}, F{}};
     const model::Walked walked = tree_.walk(
         clipped, limits_, work, log, [&](std::span<const std::uint32_t> records, F entry, F exit) {
-          test_leaf(records, ray, clipped, range(entry, exit, best.t), best, work);
-          return model::LeafEnd<F>{best.t, ray.any && best.prim != kNoPrim};
+          const bool whole =
+              test_leaf(records, ray, clipped, range(entry, exit, best.t), best, work);
+          return model::LeafEnd<F>{best.t, ray.any && best.prim != kNoPrim, !whole};
         });
     HitBits hit = miss(walked);
     if (walked.status != Status::Ok || best.prim == kNoPrim) return hit;
@@ -88,16 +89,18 @@ class TracerOf final : public Tracer {
     return {entry.ulps_down(guard_), tbest <= exit ? tbest : exit.ulps_up(guard_)};
   }
 
-  /// All triangles of a leaf.
-  void test_leaf(std::span<const std::uint32_t> records, const model::FpRay<F>& ray,
-                 const model::Clipped<F>& clipped, const model::TestRange<F>& range, Best& best,
-                 Work& work) const {
+  /// All triangles of a leaf, up to an entry that names none; whether there was no such.
+  [[nodiscard]] bool test_leaf(std::span<const std::uint32_t> records, const model::FpRay<F>& ray,
+                               const model::Clipped<F>& clipped, const model::TestRange<F>& range,
+                               Best& best, Work& work) const {
     for (const std::uint32_t record : records) {
+      if (record >= test_.size()) return false;
       const auto c = test_.test(record, ray, clipped, range, work);
       if (!c || !(ray.tmin <= c->t)) continue;
       const std::uint32_t prim = test_.prim(record);
       if (c->t < best.t || (c->t == best.t && prim < best.prim)) best = {c->t, c->u, c->v, prim};
     }
+    return true;
   }
 
   model::WalkLimits limits_;

@@ -125,6 +125,8 @@ class WoopTest {
     }
   }
 
+  /// Number of records.
+  [[nodiscard]] std::size_t size() const { return records_.size(); }
   /// Number of the triangle in the mesh.
   [[nodiscard]] std::uint32_t prim(std::uint32_t record) const { return records_[record].prim; }
 

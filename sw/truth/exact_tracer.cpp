@@ -171,7 +171,7 @@ ExactTracer::Hit ExactTracer::trace(const Ray& given) const {
       }
       records.push_back(record);
     }
-    return model::LeafEnd<F>{bound, false};
+    return model::LeafEnd<F>{bound, false, false};
   });
   best.hit = !records.empty();
   if (!best.hit) return best;

@@ -137,11 +137,12 @@ module ti_kd_decide_formal #(
   `TI_ASSUME(FitsTheStack, known && !Restart && push_o -> 32'(at.level) < StackDepth)
 
   // ---- The rules, each in a line.
-  logic is_leaf, out_of_steps, steps_on, far_alone, near_alone, empty, best_ends, left;
+  logic is_leaf, damaged, out_of_steps, steps_on, far_alone, near_alone, empty, best_ends, left;
   ti_pkg::node_index_t adjacent, lower, upper, nearest, furthest;
   assign is_leaf      = at.node.axis == 2'd3;
   assign out_of_steps = 32'(at.steps) >= WatchdogSteps;
-  assign steps_on     = !out_of_steps && !at.error;
+  assign damaged      = at.error || (is_leaf && 32'(at.node.link) > 65535);
+  assign steps_on     = !out_of_steps && !damaged;
 
   // The adjacent child is the upper one where the node is reordered; the lower one is entered first unless the
   // direction is negative.
@@ -169,7 +170,7 @@ module ti_kd_decide_formal #(
   `TI_ASSERT(WatchdogAtItsCount, known -> (done_o && status_o == ti_pkg::Watchdog) == out_of_steps)
   `TI_ASSERT(EachNodeIsCounted, known -> 32'(steps_o) == 32'(at.steps) + 32'(!out_of_steps))
   `TI_ASSERT(MemoryErrorEnds,
-             known && !out_of_steps -> (done_o && status_o == ti_pkg::MemoryError) == at.error)
+             known && !out_of_steps -> (done_o && status_o == ti_pkg::MemoryError) == damaged)
   `TI_ASSERT(EndsAtOnce,
              known && !steps_on -> done_o && !go_o && !leaf_o && !push_o && !pop_o && !restart_o)
 

@@ -15,6 +15,7 @@ from models.payload import parameter
 NEAR, FAR, BOTH = range(3)
 OK, MEMORY_ERROR, WATCHDOG = 0, 2, 3
 ROOT, INDEX, LINK, TOP = 7, 100, 900, 555
+MOST_TRIANGLES = 65535
 STACK_DEPTH, WATCHDOG_STEPS = parameter("StackDepth", 4), parameter("WatchdogSteps", 50)
 RESTART = bool(parameter("Restart", 1))
 CULL, GUARD = parameter("IntervalCull", 1), parameter("Guard", 4)
@@ -62,12 +63,14 @@ def inner_cases():
 def leaf_cases():
     tmin, tmax, ray_tmax, _ = interval()
     for (negative, reorder, level, dropped, steps, error), tbest, count, whole in product(
-        common(), around(tmax), (0, 1, 65535), (0, 1)
+        common(), around(tmax), (0, 1, MOST_TRIANGLES, MOST_TRIANGLES + 1), (0, 1)
     ):
         end = tmax if whole else ray_tmax
         yield case(
             negative, reorder, level, dropped, steps, error, count=count, tbest=tbest, ray_tmax=end
         )
+    for bit in range(16, 29):
+        yield case(0, 0, 0, 0, 0, 0, count=1 << bit, ray_tmax=ray_tmax)
     inf = numbers().inf
     ends = {0, 1, GUARD, GUARD + 1, tmin, inf - GUARD - 1, inf - GUARD, inf - 1, inf}
     for (first, last), tbest in product(combinations(sorted(ends), 2), (inf, tmin)):
@@ -103,9 +106,9 @@ def expected(c):
     if c["steps"] >= WATCHDOG_STEPS:
         return {"done": 1, "status": WATCHDOG, "go": 0, "leaf": 0, "steps": c["steps"]}
     steps = c["steps"] + 1
-    if c["error"]:
-        return {"done": 1, "status": MEMORY_ERROR, "go": 0, "leaf": 0, "steps": steps}
     word = c["node"] >> 32
+    if c["error"] or (word & 3 == 3 and word >> 3 > MOST_TRIANGLES):
+        return {"done": 1, "status": MEMORY_ERROR, "go": 0, "leaf": 0, "steps": steps}
     decide = leaf_rule if word & 3 == 3 else inner_rule
     return {"done": 0, "leaf": 0, "go": 0, "steps": steps, **decide(c, word)}
 

@@ -40,6 +40,8 @@ from models.traced import (
     work_of,
 )
 
+TRAIL_LEVELS = 64  # of a padded walk
+PADDED = bool(parameter("Padded", 0))
 SLOTS_TO_FILL = 32  # fewer cannot keep the step pipeline busy
 
 
@@ -164,7 +166,10 @@ async def a_memory_error_ends_the_rays_that_need_the_line(dut, every):
 @cocotb.test()
 @cocotb.parametrize(nodes=["self", "pair", "beyond"])
 async def a_corrupt_tree_ends_every_ray(dut, nodes):
-    """A node that is its own child, a pair that are each other's, a child outside memory."""
+    """A node that is its own child, a pair that are each other's, a child outside memory.
+
+    A padded walk in a circle comes to the end of its trail, or to the watchdog before.
+    """
     _, events = await setup(dut)
     empty = (0, 3)
     tree, status = {
@@ -179,6 +184,8 @@ async def a_corrupt_tree_ends_every_ray(dut, nodes):
     hits = await all_hits(dut, beats)
 
     steps = int(dut.WatchdogSteps.value) if status == WATCHDOG else 2
+    if PADDED and status == WATCHDOG and steps > TRAIL_LEVELS:
+        status, steps = MEMORY_ERROR, TRAIL_LEVELS + 1
     for hit in hits.values():
         assert (hit["status"], hit["hit"], hit["steps"]) == (status, 0, steps)
     visits = steps + (status == WATCHDOG)  # the one that is too many is counted
@@ -197,6 +204,35 @@ async def the_watchdog_stops_before_the_node_that_is_too_many(dut, beyond):
 
     assert (hit["status"], hit["steps"]) == (WATCHDOG if beyond else OK, limit)
     check_counts(events, Counter(steps=limit + beyond, leaves=1 - beyond), 1, memory)
+
+
+@cocotb.test()
+@cocotb.parametrize(count=[65535, 65536, 1 << 20, 1 << 28])
+async def a_leaf_of_more_triangles_than_a_leaf_has_is_a_memory_error(dut, count):
+    await setup(dut)
+    put_nodes(dut, [(0, count << 3 | 3)])
+    source, leaf, hit = Source(dut, "dispatch"), Sink(dut, "leaf"), Sink(dut, "hit")
+    await source.send([lone_ray()])
+    if count <= 65535:
+        [bits] = await leaf.receive(1)
+        assert payloads().unpack("leaf_t", bits)["count"] == count
+        return
+    [bits] = await hit.receive(1)
+    answer = payloads().unpack("hit_t", bits)
+    assert (answer["status"], answer["hit"], answer["steps"]) == (MEMORY_ERROR, 0, 1)
+
+
+@only_if(PADDED and parameter("WatchdogSteps", 65535) > TRAIL_LEVELS)
+@cocotb.parametrize(below=[-1, 0, 1])
+async def an_inner_node_below_the_last_level_of_the_trail_ends_its_ray(dut, below):
+    await setup(dut)
+    levels = TRAIL_LEVELS + below
+    put_nodes(dut, [inner(7, split=9.0)] * levels + [(0, 3)])
+
+    [hit] = (await all_hits(dut, [lone_ray()])).values()
+
+    status = MEMORY_ERROR if below > 0 else OK
+    assert (hit["status"], hit["steps"]) == (status, TRAIL_LEVELS + 1 + min(below, 0))
 
 
 @cocotb.test()
@@ -354,11 +390,15 @@ BUILDS = {
         {"NumSlots": 8},
         "every_ray|memory_error|the_watchdog|a_step|activity",
     ),
-    "padded": ("trv_slots=8 traversal=padded", {"NumSlots": 8, "Padded": 1}, None),
+    "padded": (
+        "trv_slots=8 traversal=padded",
+        {"NumSlots": 8, "Padded": 1, "WatchdogSteps": TRAIL_LEVELS},
+        None,
+    ),
     "padded, no stack": (
         "trv_slots=4 traversal=padded exp_bits=5 frac_bits=10 fp_cmp_stages=1",
         {"NumSlots": 4, "StackDepth": 0, "Padded": 1},
-        "every_ray",
+        "every_ray|last_level",
     ),
     "just deep enough": (
         "trv_slots=8 restart=false",

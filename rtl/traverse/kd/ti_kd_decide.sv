@@ -11,6 +11,7 @@
 /// and no ray restarts.  An empty leaf also ends a ray whose best t does not exceed the exit; a leaf with triangles
 /// leaves that to `ti_trv_return`.  2 CMP; with `CmpStages` 3, none behind a choice. The tests of a leaf count between `tnear_o` and `tfar_o`: in the leaf's
 /// interval, moved outward by `Guard` ulp, and not beyond the best t; without `IntervalCull` from 0 to the best t.
+/// A leaf of more than 65,535 triangles, which no builder writes, is a memory error.
 module ti_kd_decide #(
   parameter int unsigned StackDepth = 4,
   parameter bit Restart = 1'b1,
@@ -155,7 +156,7 @@ module ti_kd_decide #(
         index: index_i,
         link: node_i.link,
         near_is_adjacent: negative_i ~^ node_i.reorder,
-        error: error_i,
+        error: error_i || (is_leaf && node_i.link[28:16] != '0),
         t: t_i,
         tmin: tmin_i,
         tmax: tmax_i,

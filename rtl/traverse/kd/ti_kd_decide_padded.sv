@@ -10,7 +10,8 @@
 /// leaves to `ti_trv_return`, as the number below it (`bound_o`).  Otherwise it goes on at the deepest level of the
 /// trail that is not done: to the top of the short stack, or, where that entry has been dropped, down from the root
 /// once more with the same comparisons, and so on the same way.  As a number with the root as its highest digit the
-/// trail grows with each leaf, so every walk ends.  6 CMP.
+/// trail grows with each leaf, so every walk ends.  6 CMP.  A leaf of more than 65,535 triangles and an inner node below
+/// the last level of the trail, which no builder writes, are memory errors.
 module ti_kd_decide_padded #(
   parameter int unsigned StackDepth = 4,
   parameter bit Restart = 1'b1,
@@ -262,7 +263,9 @@ module ti_kd_decide_padded #(
     for (int unsigned i = 0; i < Levels; i++) if (left[i]) deepest = 6'(i);
   end
 
-  logic done_here;
+  // More triangles than a leaf has, or a child below the last level of the trail.
+  logic damaged, done_here;
+  assign damaged   = is_leaf ? at.node.link[28:16] != '0 : at.trail.level == 7'(Levels);
   assign done_here = at.trail.done[at.trail.level[5:0]];
   assign both_o    = !is_leaf && !at.before_near && !at.up_to_tmin;
 
@@ -284,7 +287,7 @@ module ti_kd_decide_padded #(
     if (out_of_steps) begin
       done_o   = 1'b1;
       status_o = ti_pkg::Watchdog;
-    end else if (at.error) begin
+    end else if (at.error || damaged) begin
       done_o   = 1'b1;
       status_o = ti_pkg::MemoryError;
     end else if (is_leaf) begin

@@ -137,7 +137,7 @@ module ti_kd_state #(
   state_t late, state_q;
   interval_t interval, interval_q;
   ti_pkg::fp_t end_tmax;
-  logic late_fresh;
+  logic late_fresh;  // read with the state
   logic [LevelWidth-1:0] end_level;
   entry_t top;
   pointer_t
@@ -211,7 +211,6 @@ module ti_kd_state #(
     assign top = '0;
   end
 
-  assign late_fresh = fresh_q[late_slot_o];
   always_comb begin
     late = $bits(state_t)'(word);
     if (late_fresh) begin
@@ -220,6 +219,7 @@ module ti_kd_state #(
     end
   end
   always_ff @(posedge clk_i) begin
+    if (early_valid) late_fresh <= fresh_q[early_slot];
     if (late_valid_o) begin
       state_q    <= late;
       interval_q <= interval;
