@@ -39,6 +39,7 @@ rtl/mem/ti_ra.sv
 rtl/mem/ti_l2_bank.sv
 rtl/mem/ti_l2.sv
 rtl/mem/ti_lines.sv
+rtl/mem/ti_read_timeout.sv
 rtl/mem/ti_axi_read.sv
 rtl/mem/ti_memory.sv
 rtl/traverse/common/ti_rd_axis.sv

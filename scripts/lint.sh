@@ -33,7 +33,7 @@ rtl=$(find rtl tb sim -name '*.sv' ! -name 'ti_regs*.sv' -o -name '*.svh' | sort
 cpp=$(find sw sim tb -name '*.cpp' -o -name '*.hpp' | sort)
 
 for words in tiny small paper "tiny exp_bits=7 frac_bits=16 rounding=zero subnormals=flush counter_snapshot=1 lookup_stages=2" \
-  "tiny cores=3 stream_clock=own num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0 sync_reset=0 \
+  "tiny cores=3 stream_clock=own read_timeout=1000 num_trv=5 num_list=2 num_ist1=3 line_bytes=32 ring_delays=0 counters=0 sync_reset=0 \
 early_exit=0 any_hit=0 ray_accumulation=retry stack_depth=0 lookup_stages=5 fill_bytes=16" \
   "tiny stack_depth=6 restart=0 watchdog_steps=100 reciprocal=newton" \
   "tiny triangle_test=np rd_cycles=3" "tiny triangle_test=woop traversal=padded" \

@@ -23,6 +23,7 @@ class Memory {
     std::uint32_t id;
     std::uint64_t address;
     bool error;
+    bool spoilt = false;  ///< one bit is wrong
   };
 
   /// `clock_ratio`: cycles of the memory's clock in one of the engine's, above 0.
@@ -45,7 +46,8 @@ class Memory {
     for (time_ += clock_ratio_; time_ >= 1.0; time_ -= 1.0) cycle();
   }
 
-  /// Copies a line into `words`; bytes outside the image, and all bytes of an error, are 0.
+  /// Copies a line into `words`; bytes outside the image, and all bytes of an error, are 0. The bit
+  /// that is wrong in a spoilt one follows from how many lines have been counted.
   void read(const Answer& answer, std::uint32_t* words) const {
     for (int i = 0; i < line_bytes_ / 4; ++i) {
       std::uint32_t word = 0;
@@ -55,6 +57,9 @@ class Memory {
       }
       words[i] = word;
     }
+    if (!answer.spoilt) return;
+    const std::uint64_t bit = lines_ * 0x9e3779b97f4a7c15U >> 32U;
+    words[bit / 32 % static_cast<std::uint64_t>(line_bytes_ / 4)] ^= 1U << bit % 32;
   }
 
   /// Bytes that went to the ports.

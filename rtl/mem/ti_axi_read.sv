@@ -13,12 +13,17 @@
 /// traffic must therefore either reset the interconnect as well, as AXI4 asks, or be followed by no ray until the
 /// reads in flight have been answered.
 ///
+/// With a `Timeout` a read that has no answer after so many cycles, at most twice as many, is answered with an error; what
+/// comes later is dropped (`ti_read_timeout`).  A memory that answers nothing any more answers errors, until reset.
+///
 /// ARCACHE is normal, non-cacheable, bufferable; ARPROT is unprivileged, secure data; no locks, no QoS.
 module ti_axi_read #(
   /// What a request is known by.
   parameter type id_t = logic,
   /// Reads in flight, a power of two from 2 to 1024.
   parameter int unsigned MaxReads = 16,
+  /// Cycles after which a read counts as failed; 0: never.
+  parameter int unsigned Timeout = ti_config_pkg::ReadTimeout,
   localparam int unsigned LineBytes = ti_mem_pkg::LineBytes,
   localparam int unsigned AxiIdWidth = (MaxReads > 1) ? $clog2(MaxReads) : 1
 ) (
@@ -86,12 +91,18 @@ module ti_axi_read #(
     .free_valid_o(free_valid),
     .free_slot_o (free_id),
     .take_i      (take),
-    .give_i      (beat && known),
+    .give_i      (beat && (known || given_up[m_axi_rid])),
     .give_slot_i (m_axi_rid)
   );
 
-  assign req_ready_o = free_valid && ar_room;
-  assign take        = req_valid_i && req_ready_o;
+  // Reads that are given up, and requests that are refused.
+  logic [NumEntries-1:0] given_up;
+  logic overdue_valid, overdue_taken, dead, refused_q, refused_taken;
+  axi_id_t overdue_id;
+  id_t refused_id_q;
+
+  assign req_ready_o = dead ? !refused_q : free_valid && ar_room;
+  assign take        = req_valid_i && req_ready_o && !dead;
   assign beat        = m_axi_rvalid && m_axi_rready;
   assign known       = outstanding_q[m_axi_rid];
 
@@ -100,6 +111,7 @@ module ti_axi_read #(
       outstanding_q <= '0;
     end else begin
       if (beat) outstanding_q[m_axi_rid] <= 1'b0;
+      if (overdue_taken) outstanding_q[overdue_id] <= 1'b0;
       if (take) outstanding_q[free_id] <= 1'b1;
     end
   end
@@ -109,7 +121,7 @@ module ti_axi_read #(
     .word_t(id_t)
   ) u_ids (
     .clk_i,
-    .read_addr_i (m_axi_rid),
+    .read_addr_i ((Timeout == 0 || m_axi_rvalid) ? m_axi_rid : overdue_id),
     .read_data_o (beat_id),
     .write_en_i  (take),
     .write_addr_i(free_id),
@@ -124,7 +136,7 @@ module ti_axi_read #(
   ) u_ar (
     .clk_i,
     .rst_ni,
-    .in_valid_i (req_valid_i && free_valid),
+    .in_valid_i (req_valid_i && free_valid && !dead),
     .in_ready_o (ar_room),
     .in_data_i  ('{id: free_id, line: req_line_i}),
     .out_valid_o(m_axi_arvalid),
@@ -142,27 +154,72 @@ module ti_axi_read #(
   assign m_axi_arprot  = 3'b000;
   assign m_axi_arqos   = 4'b0000;
 
-  // R.
+  if (Timeout > 0) begin : gen_timeout
+    ti_read_timeout #(
+      .Timeout (Timeout),
+      .NumReads(NumEntries)
+    ) u_timeout (
+      .clk_i,
+      .rst_ni,
+      .waiting_i      (req_valid_i && !dead),
+      .take_i         (take),
+      .take_id_i      (free_id),
+      .beat_i         (beat),
+      .beat_id_i      (m_axi_rid),
+      .outstanding_i  (outstanding_q),
+      .given_up_o     (given_up),
+      .overdue_valid_o(overdue_valid),
+      .overdue_id_o   (overdue_id),
+      .overdue_taken_i(overdue_taken),
+      .dead_o         (dead)
+    );
+
+    always_ff @(`TI_CLK_RST) begin
+      if (!rst_ni) refused_q <= 1'b0;
+      else refused_q <= (refused_q && !refused_taken) || (req_valid_i && req_ready_o && dead);
+    end
+    always_ff @(posedge clk_i) begin
+      if (req_valid_i && req_ready_o && dead) refused_id_q <= req_id_i;
+    end
+  end else begin : gen_no_timeout
+    assign given_up      = '0;
+    assign overdue_valid = 1'b0;
+    assign overdue_id    = '0;
+    assign dead          = 1'b0;
+    assign refused_q     = 1'b0;
+    assign refused_id_q  = '0;
+    logic unused_taken;
+    assign unused_taken = overdue_taken || refused_taken;
+  end
+
+  // R: beats, and between them errors of our own.
+  logic own, bad;
   rsp_t rsp;
+  assign own           = !m_axi_rvalid && (overdue_valid || refused_q);
+  assign bad           = m_axi_rresp[1] || !m_axi_rlast;
+  assign overdue_taken = own && m_axi_rready && overdue_valid;
+  assign refused_taken = own && m_axi_rready && !overdue_valid;
   ti_fifo #(
     .payload_t(rsp_t),
     .Depth    (2)
   ) u_rsp (
     .clk_i,
     .rst_ni,
-    .in_valid_i (m_axi_rvalid && known),
-    .in_ready_o (m_axi_rready),
-    .in_data_i  ('{id: beat_id, error: m_axi_rresp[1] || !m_axi_rlast, data: m_axi_rdata}),
+    .in_valid_i(own || (m_axi_rvalid && known)),
+    .in_ready_o(m_axi_rready),
+    .in_data_i(
+    '{id: (own && !overdue_valid) ? refused_id_q : beat_id, error: own || bad, data: m_axi_rdata}
+    ),
     .out_valid_o(rsp_valid_o),
     .out_ready_i(rsp_ready_i),
-    .out_data_o (rsp)
+    .out_data_o(rsp)
   );
   assign rsp_id_o    = rsp.id;
   assign rsp_error_o = rsp.error;
   assign rsp_data_o  = rsp.data;
 
   assign events_o.lines  = take;
-  assign events_o.errors = beat && known && (m_axi_rresp[1] || !m_axi_rlast);
+  assign events_o.errors = (own && m_axi_rready) || (beat && known && bad);
   assign events_o.strays = beat && !known;
   always_comb begin
     events_o.activity       = '0;

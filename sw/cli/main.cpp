@@ -59,6 +59,9 @@ void add_engine(CLI::App& command, Arguments& arguments) {
       ->check(CLI::Range(0.0, 0.99));
   command.add_option("--error-every", rtl.error_every,
                      "not 0: each n-th answer of the memory is an error");
+  command.add_option("--lose-every", rtl.lose_every, "not 0: each n-th never comes");
+  command.add_option("--late-every", rtl.late_every, "not 0: each n-th comes after its time-out");
+  command.add_option("--spoil-every", rtl.spoil_every, "not 0: each n-th has a wrong bit");
   command.add_option("--rtl", arguments.run.library, "library of the RTL that `make engine` built");
   command.add_option("--board", arguments.run.board, "of --engine board: where its devices are");
   command.add_flag("!--no-lock-step", arguments.run.lock_step,

@@ -73,6 +73,13 @@ struct RtlOptions {
   std::uint64_t stall_seed = 0;   ///< not 0: random stalls on every port, random initial state
   double stall_share = 0.3;       ///< share of the cycles with a stall, when there are any
   std::uint64_t error_every = 0;  ///< not 0: each n-th memory answer is an error
+  std::uint64_t lose_every = 0;   ///< of a memory that is no DRAM: each n-th never comes
+  std::uint64_t late_every = 0;   ///< each n-th comes four times `read_timeout` late
+  std::uint64_t spoil_every = 0;  ///< each n-th has a bit that is wrong
+  /// Whether rays may end with an error of the memory.
+  [[nodiscard]] bool answers_fail() const {
+    return error_every != 0 || lose_every != 0 || late_every != 0;
+  }
   std::optional<std::uint32_t> log_ray;  ///< write the nodes that this ray visits
   std::filesystem::path log_file;        ///< to the end of this file
   /// Write every signal to this FST; empty: none. Takes a library that was built for it.
@@ -103,7 +110,7 @@ class Truth;
 
 /// What a library of `load_rtl_engine` offers, under the name `ti_rtl_plugin`.
 struct RtlPlugin {
-  static constexpr int kInterface = 4;  ///< raised whenever this struct or `Engine` changes
+  static constexpr int kInterface = 5;  ///< raised whenever this struct or `Engine` changes
   int interface = kInterface;
   const char* config = "";  ///< the keys that it was built for, as JSON
   Engine* (*make)(const Image& image, const RtlOptions& options) = nullptr;

@@ -227,7 +227,7 @@ Wave Session::trace(std::span<const Ray> given) {
       const bool counted = wave.counts.machine && !wave.counts.machine->units.empty() &&
                            !wave.counts.machine->units.front().activities.empty();
       wave.lock_step = compare(model, answers, submitted_, counted ? &wave.counts.work : nullptr,
-                               options_.rtl.error_every != 0);
+                               options_.rtl.answers_fail());
     }
     wave.tests = std::move(model.tests);
     wave.times.lock_step = seconds_since(begin);

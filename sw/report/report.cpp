@@ -63,7 +63,10 @@ ordered_json switches_json(const RunOptions& options) {
           {"truth", options.truth && options.engine != EngineKind::Embree},
           {"stall_seed", options.rtl.stall_seed},
           {"stall_share", options.rtl.stall_seed != 0 ? options.rtl.stall_share : 0.0},
-          {"error_every", options.rtl.error_every}};
+          {"error_every", options.rtl.error_every},
+          {"lose_every", options.rtl.lose_every},
+          {"late_every", options.rtl.late_every},
+          {"spoil_every", options.rtl.spoil_every}};
 }
 
 ordered_json tree_json(const Session& session) {

@@ -53,6 +53,7 @@ class AxiMemory:
         self._real = False
         self._stalled = None  # the request that was not taken
         self.addresses = []  # of all requests, in order
+        self.identities = set()  # of all requests
         self.answers = []  # (address, response, RLAST) of all answers, in order
         self.strays = 0  # beats that were taken and answered nothing
         for name in ("arready", "rvalid", "rid", "rdata", "rresp", "rlast"):
@@ -149,6 +150,7 @@ class AxiMemory:
         assert identity not in taken, f"{identity} is in flight"
         self._waiting.append((cycle + max(self.latency(), 1), identity, address))
         self.addresses.append(address)
+        self.identities.add(identity)
 
     def _answer(self, cycle):
         if self._shown is not None:

@@ -3,6 +3,7 @@
 /// A `ti_axi_read` with identities of 16 bits, its two streams with one payload each, for its tests.
 module ti_axi_read_top #(
   parameter int unsigned MaxReads = 16,
+  parameter int unsigned Timeout = 0,
   localparam int unsigned IdWidth = 16,
   localparam int unsigned LineAddrWidth = ti_mem_pkg::LineAddrWidth,
   localparam int unsigned AxiIdWidth = $clog2(MaxReads)
@@ -46,7 +47,8 @@ module ti_axi_read_top #(
 
   ti_axi_read #(
     .id_t    (logic [IdWidth-1:0]),
-    .MaxReads(MaxReads)
+    .MaxReads(MaxReads),
+    .Timeout (Timeout)
   ) u_read (
     .clk_i,
     .rst_ni,

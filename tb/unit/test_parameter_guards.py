@@ -116,6 +116,8 @@ BAD = [
     ("ti_axi_read", {"MaxReads": 1}, "MaxReads must be a power of two from 2 to 1024"),
     ("ti_axi_read", {"MaxReads": 12}, "MaxReads must be a power of two from 2 to 1024"),
     ("ti_axi_read", {"MaxReads": 2048}, "MaxReads must be a power of two from 2 to 1024"),
+    ("ti_read_timeout", {"Timeout": 0}, "Timeout must be 1 or more"),
+    ("ti_read_timeout", {"NumReads": 3}, "NumReads must be a power of two, 2 or more"),
     ("ti_counters", {"Num": 0}, "Num must be 1 or more"),
     ("ti_rd_clip", {"RayCycles": 0}, "RayCycles must be 1 to 3"),
     ("ti_rd_clip", {"RayCycles": 4}, "RayCycles must be 1 to 3"),
