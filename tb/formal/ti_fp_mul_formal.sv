@@ -22,51 +22,7 @@ module ti_fp_mul_formal #(
 );
   `TI_STARTS_IN_RESET
 
-  localparam int unsigned MagBits = ExpBits + FracBits;
-  typedef logic [MagBits-1:0] mag_t;
-  localparam mag_t LeastNormal = mag_t'(1) << FracBits;
-  localparam mag_t Infinity = {{ExpBits{1'b1}}, {FracBits{1'b0}}};
-  localparam mag_t Largest = TowardZero ? Infinity - 1'b1 : Infinity;  // result of finite operands
-  localparam logic [Width-1:0] QuietNaN = {
-    2'b01, {(ExpBits - 1) {1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}
-  };
-
-  // A number is a whole number of least subnormals, of which 2^OneBits are 1.0; infinity is the power of two above the
-  // largest.  A product counts their squares.  Both are compared in units so fine that edges of rounding are whole.
-  localparam int unsigned ValueBits = FracBits + (1 << ExpBits) - 1;
-  localparam int unsigned OneBits = FracBits + (1 << (ExpBits - 1)) - 2;
-  localparam int unsigned FineBits = FracBits + 2;
-  localparam int unsigned ExactBits = 2 * ValueBits + FineBits;
-  typedef logic [ExactBits-1:0] exact_t;
-
-  function automatic exact_t value(mag_t x);
-    logic [ExpBits-1:0] exponent;
-    exponent = x[FracBits+:ExpBits];
-    if (exponent == '0) return exact_t'(x[FracBits-1:0]);
-    return exact_t'({1'b1, x[FracBits-1:0]}) << (exponent - 1'b1);
-  endfunction
-
-  // Half way from the number below x to x.
-  function automatic exact_t middle(mag_t x);
-    return (value(x - 1'b1) + value(x)) << (OneBits + FineBits - 1);
-  endfunction
-  // Where rounding begins to give x: half way, toward zero at x.  When subnormals are flushed the number below the
-  // least normal one is that of endless exponents.
-  function automatic exact_t edge_of(mag_t x);
-    if (TowardZero) return value(x) << (OneBits + FineBits);
-    if (Flush && x == LeastNormal)
-      return (value(x) << (OneBits + FineBits)) - (value(x) << OneBits);
-    return middle(x);
-  endfunction
-  function automatic logic reaches(exact_t exact, mag_t x);
-    return exact > edge_of(x) || (exact == edge_of(x) && (TowardZero || !x[0]));
-  endfunction
-  function automatic logic rounds_to(exact_t exact, mag_t x);
-    mag_t next;
-    next = (Flush && x == '0) ? LeastNormal : x + 1'b1;
-    if (x > Largest || (Flush && x != '0 && x < LeastNormal)) return 1'b0;
-    return (x == '0 || reaches(exact, x)) && (x == Largest || !reaches(exact, next));
-  endfunction
+  `include "rounding.svh"
 
   // What went in `Stages` cycles ago.
   logic [Stages-1:0] valid_q;
@@ -99,13 +55,13 @@ module ti_fp_mul_formal #(
   `TI_ASSERT(OneQuietNaN, valid_o && is_nan -> result_o == QuietNaN)
   `TI_ASSERT(InfiniteOperand, valid_o && is_infinite -> result_o == {sign, Infinity})
   `TI_ASSERT(SignOfTheProduct, valid_o && is_finite -> result_o[Width-1] == sign)
-  `TI_ASSERT(RoundedOnce, valid_o && is_finite -> rounds_to(exact, result))
+  `TI_ASSERT(RoundedOnce, valid_o && is_finite -> rounds_to(exact, OneBits, result))
 
   // A product below the least normal number; one out of range; one half way between two numbers.
   logic is_small, is_large, is_tie;
   assign is_small = exact < (value(LeastNormal) << (OneBits + FineBits));
   assign is_large = exact >= (value(Infinity) << (OneBits + FineBits));
-  assign is_tie   = exact == middle(result) || exact == middle(result + 1'b1);
+  assign is_tie   = exact == middle(result) << OneBits || exact == middle(result + 1'b1) << OneBits;
   `TI_COVER(BelowTheNormalOnes,
             valid_o && is_finite && is_small && exact != '0 && (Flush || result != '0))
   `TI_COVER(Overflow, valid_o && is_finite && is_large)

@@ -24,50 +24,7 @@ module ti_fp_rcp_formal #(
 );
   `TI_STARTS_IN_RESET
 
-  localparam int unsigned MagBits = ExpBits + FracBits;
-  typedef logic [MagBits-1:0] mag_t;
-  localparam mag_t LeastNormal = mag_t'(1) << FracBits;
-  localparam mag_t Infinity = {{ExpBits{1'b1}}, {FracBits{1'b0}}};
-  localparam mag_t Largest = TowardZero ? Infinity - 1'b1 : Infinity;  // of numbers but zero
-  localparam logic [Width-1:0] QuietNaN = {
-    2'b01, {(ExpBits - 1) {1'b1}}, 1'b1, {(FracBits - 1) {1'b0}}
-  };
-
-  // A number is a whole number of least subnormals, of which 2^OneBits are 1.0; infinity is the power of two above the
-  // largest.  Numbers of which one rounds are compared in units so fine that all edges of rounding are whole.
-  localparam int unsigned ValueBits = FracBits + (1 << ExpBits) - 1;
-  localparam int unsigned OneBits = FracBits + (1 << (ExpBits - 1)) - 2;
-  localparam int unsigned FineBits = FracBits + 2;
-  localparam int unsigned ExactBits = 2 * ValueBits + FineBits;
-  typedef logic [ExactBits-1:0] exact_t;
-  localparam exact_t One = exact_t'(1) << (2 * OneBits + FineBits);
-
-  function automatic exact_t value(mag_t x);
-    logic [ExpBits-1:0] exponent;
-    exponent = x[FracBits+:ExpBits];
-    if (exponent == '0) return exact_t'(x[FracBits-1:0]);
-    return exact_t'({1'b1, x[FracBits-1:0]}) << (exponent - 1'b1);
-  endfunction
-
-  // Where rounding begins to give x: half way from the number below it, toward zero at x.  When subnormals are flushed
-  // the number below the least normal one is that of endless exponents.
-  function automatic exact_t edge_of(mag_t x);
-    if (TowardZero) return value(x) << FineBits;
-    if (Flush && x == LeastNormal) return (value(x) << FineBits) - value(x);
-    return (value(x - 1'b1) + value(x)) << (FineBits - 1);
-  endfunction
-  // The inverse of a is one over it: whether it is at or above an edge says their product.
-  function automatic logic reaches(mag_t a, mag_t x);
-    exact_t product;
-    product = value(a) * edge_of(x);
-    return One > product || (One == product && (TowardZero || !x[0]));
-  endfunction
-  function automatic logic inverse_rounds_to(mag_t a, mag_t x);
-    mag_t next;
-    next = (Flush && x == '0) ? LeastNormal : x + 1'b1;
-    if (x > Largest || (Flush && x != '0 && x < LeastNormal)) return 1'b0;
-    return (x == '0 || reaches(a, x)) && (x == Largest || !reaches(a, next));
-  endfunction
+  `include "rounding.svh"
 
   // What went in `Stages` cycles ago.
   logic [Stages-1:0] valid_q;
