@@ -82,6 +82,12 @@ module ti_axi_read #(
   logic [NumEntries-1:0] outstanding_q;
   id_t beat_id;
 
+  // Reads that are given up, and requests that are refused.
+  logic [NumEntries-1:0] given_up;
+  logic overdue_valid, overdue_taken, dead, refused_q, refused_taken;
+  axi_id_t overdue_id;
+  id_t refused_id_q;
+
   ti_slot_pool #(
     .NumSlots(NumEntries),
     .Late    (ti_config_pkg::LookupStages > 4)
@@ -94,12 +100,6 @@ module ti_axi_read #(
     .give_i      (beat && (known || given_up[m_axi_rid])),
     .give_slot_i (m_axi_rid)
   );
-
-  // Reads that are given up, and requests that are refused.
-  logic [NumEntries-1:0] given_up;
-  logic overdue_valid, overdue_taken, dead, refused_q, refused_taken;
-  axi_id_t overdue_id;
-  id_t refused_id_q;
 
   assign req_ready_o = dead ? !refused_q : free_valid && ar_room;
   assign take        = req_valid_i && req_ready_o && !dead;
