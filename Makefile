@@ -39,6 +39,8 @@ TEST ?=
 UNIT ?=
 QUICK ?=
 ID ?=
+HOURS ?=
+ROUND ?=
 IMAGES ?=
 FORMATS ?=
 TESTS ?=
@@ -293,6 +295,9 @@ synth: config ## Latches, loops and memories of CONFIG= by Yosys (UNIT=ti_fp_add
 formal: build/setup.stamp ## Proofs of the RTL's properties, covers, and a fault that each must find (UNIT="ti_fifo ti_arbiter" QUICK=1 OUT=file.json PAGE=file.md)
 	@scripts/setup.sh --formal
 	@python scripts/formal.py $(call words_of,--unit,UNIT) $(if $(filter-out 0,$(QUICK)),--quick) $(call opt,--json,OUT) $(call opt,--page,PAGE)
+
+soak: sw build/scenes/knot.ply ## Random machines, scenes and rays against model and truth for hours; a failure is made small (HOURS=2 or RAYS=1000000, ROUND=17 for one again, SEED= OUT=)
+	@python scripts/soak.py $(call opt,--hours,HOURS) $(call opt,--rays,RAYS) $(call opt,--round,ROUND) $(call opt,--seed,SEED) $(call opt,--out,OUT)
 
 mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1)
 	@python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)

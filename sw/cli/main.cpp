@@ -126,6 +126,9 @@ int run(int argc, char** argv) {
       ->add_option("--rays", arguments.rays, "rays.npy, float32 [N,8], or KIND:COUNT to make them")
       ->required();
 
+  trace_command->add_option("--waves-file", arguments.run.rtl.waves_file,
+                            "FST for every signal of the RTL");
+
   CLI::App* image_command =
       app.add_subcommand("image", "build the tree of a scene and write its memory image");
   add_config(*image_command, arguments);
