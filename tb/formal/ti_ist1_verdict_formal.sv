@@ -196,14 +196,13 @@ module ti_ist1_verdict_formal #(
   assign agree_v = !is_nan(detv) && (size_of(detv) == '0 || sign_of(detv) == sign_of(at.given));
   assign are_numbers = is_finite(detu) && is_finite(detv) && sign_of(detu) == sign_of(detv);
   assign sum = value(size_of(detu)) + value(size_of(detv));
-  assign sum_fits = !is_nan(at.x3) && size_of(at.x3) <= size_of(at.given);
+  assign sum_fits = !is_nan(at.x3) && !is_nan(at.given) && size_of(at.x3) <= size_of(at.given);
 
-  // The sum of numbers of one sign is as `ti_fp_add` gives it (proven there); pass (a) has kept det, a number.
+  // The sum of numbers of one sign is as `ti_fp_add` gives it (proven there).
   `TI_ASSUME(SumOfBoth, pass_b && are_numbers -> rounds_to(sum << FineBits, 0, at.x3[MagBits-1:0]))
-  `TI_ASSUME(DetWasKept, pass_b -> is_finite(at.given) && size_of(at.given) != '0)
   `TI_ASSERT(InsideByTheRule, pass_b -> keep_o == (agree_u && agree_v && sum_fits))
-  `TI_ASSERT(DropsNoneInside, pass_b && are_numbers && agree_u && agree_v && sum <= value(
-             size_of(at.given)) -> keep_o)
+  `TI_ASSERT(DropsNoneInside, pass_b && are_numbers && agree_u && agree_v && !is_nan(at.given
+             ) && sum <= value(size_of(at.given)) -> keep_o)
   `TI_COVER(KeepsAtTheEdge, pass_b && keep_o && sum == value(size_of(at.given)) && detu != '0)
   `TI_COVER(DropsOutside, pass_b && !keep_o && agree_u && agree_v)
 endmodule : ti_ist1_verdict_formal
