@@ -20,6 +20,7 @@ OUT ?=
 RAYS ?=
 IMAGE ?=
 SEED ?=
+GENERATED ?=
 RAY_WAVES ?=
 LOG_RAY ?=
 MEM ?=
@@ -299,8 +300,8 @@ formal: build/setup.stamp ## Proofs of the RTL's properties, covers, and a fault
 soak: sw build/scenes/knot.ply ## Random machines, scenes and rays against model and truth for hours; a failure is made small (HOURS=2 or RAYS=1000000, ROUND=17 for one again, SEED= OUT=)
 	@python scripts/soak.py $(call opt,--hours,HOURS) $(call opt,--rays,RAYS) $(call opt,--round,ROUND) $(call opt,--seed,SEED) $(call opt,--out,OUT)
 
-mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1)
-	@python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check)
+mutants: sw $(knot) ## Faults put into a copy of the RTL: the tests must find each (TEST=part_of_a_name QUICK=1 ALL=1), or as many of all small changes of it, as a score (GENERATED=300 SEED=1 UNIT=ti_fifo OUT=file.json)
+	@$(if $(value GENERATED),python scripts/mutation_score.py --count $(call q,GENERATED) $(call opt,--seed,SEED) $(call opt,--unit,UNIT) $(call opt,--json,OUT),python scripts/mutants.py $(call opt,--only,TEST) $(if $(filter-out 0,$(QUICK)),--quick) $(if $(filter-out 0,$(ALL)),--every-check))
 
 area: config ## Cells of CONFIG= or a unit by Yosys: LUT, FF, DSP, BRAM, gates, mm2 at 65 nm (PART="xcup xc7 ecp5 gowin osu018 sky130" UNIT= OUT=file.json BASELINE=1 REASON="...")
 	@$(if $(filter osu018,$(area_parts)),[[ -f $(liberty) ]] || scripts/setup.sh --extra; scripts/setup.sh --cacti)

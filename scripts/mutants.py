@@ -25,6 +25,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +36,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TABLE = ROOT / "tb/mutants.yaml"
 WORK = ROOT / "build/mutants"
 SNAPSHOT = WORK / "snapshot"
+GENERATED = WORK / "generated"  # of scripts/mutation_score.py
 NOT_COPIED = (".git", "__pycache__")
 TIMEOUT_S = 900  # of one command; a fault may well never end
 
@@ -110,30 +112,82 @@ def load(path: Path = TABLE) -> list[Mutant]:
     return mutants
 
 
-def take_snapshot() -> None:
-    """The project as it is now, which all copies are made from; it builds its own RTL."""
-    shutil.rmtree(WORK, ignore_errors=True)
-    SNAPSHOT.mkdir(parents=True)
-    (WORK / "FUSESOC_IGNORE").touch()  # the copies have a ti.core
+def copy_project(to: Path) -> None:
+    """The project as it is now in the folder `to`, which builds its own RTL.
+
+    What was built there stays, and files keep their times, so that it is built again only where
+    they differ.
+    """
+    to.mkdir(parents=True, exist_ok=True)
+    (to.parent / "FUSESOC_IGNORE").touch()  # a copy has a ti.core
+    for old in to.iterdir():
+        if old.name != "build":
+            shutil.rmtree(old) if old.is_dir() and not old.is_symlink() else old.unlink()
 
     def left_out(folder: str, names: list[str]) -> set[str]:
         return {
             name for name in names if name in NOT_COPIED or Path(folder, name) == ROOT / "build"
         }
 
-    shutil.copytree(ROOT, SNAPSHOT, symlinks=True, ignore=left_out, dirs_exist_ok=True)
-    (SNAPSHOT / "build").mkdir()
+    shutil.copytree(ROOT, to, symlinks=True, ignore=left_out, dirs_exist_ok=True)
+    (to / "build").mkdir(exist_ok=True)
     for name in LINKED:
-        (SNAPSHOT / name).symlink_to(ROOT / name)
-    shutil.copy2(ROOT / "build/setup.stamp", SNAPSHOT / "build")
+        if not (to / name).is_symlink():
+            (to / name).symlink_to(ROOT / name)
+    shutil.copy2(ROOT / "build/setup.stamp", to / "build")
+
+
+def take_snapshot() -> None:
+    """The project as it is now, which all copies are made from."""
+    WORK.mkdir(parents=True, exist_ok=True)
+    for old in WORK.iterdir():
+        if old != GENERATED:
+            shutil.rmtree(old) if old.is_dir() else old.unlink()
+    copy_project(SNAPSHOT)
+
+
+def run_group(
+    command: Sequence,
+    folder: Path,
+    environment: dict[str, str] | None = None,
+    timeout: float = TIMEOUT_S,
+    started: Callable[[subprocess.Popen], None] = lambda process: None,
+) -> tuple[int | None, str]:
+    """Status and output of a command; None when it did not end in time.
+
+    All that it started ends with it, also when this is interrupted.
+    """
+    with subprocess.Popen(
+        [str(word) for word in command],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    ) as process:
+        started(process)
+        try:
+            output, _ = process.communicate(timeout=timeout)
+            return process.returncode, output
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            return None, process.communicate()[0]
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
 
 
 class Copy:
-    """Commands in a copy of the project; their output goes to one log."""
+    """Commands in a copy of the project; their output goes to one log.
 
-    def __init__(self, folder: Path):
-        self.folder = folder
-        self.log = folder.with_suffix(".log")
+    Those of several processes in one copy keep their output apart by a `name`.
+    """
+
+    def __init__(self, folder: Path, name: str = ""):
+        self.folder, self.name = folder, name
+        self.log = folder.with_name(f"{folder.name}{name and '-'}{name}.log")
         self.log.write_text("")
         self.environment = {
             **{
@@ -145,41 +199,35 @@ class Copy:
             "CCACHE_DIR": os.environ.get("CCACHE_DIR", str(ROOT / "build/ccache")),
             "CCACHE_NOHASHDIR": "1",
             "PYTHONPYCACHEPREFIX": str(folder / "build/pycache"),
+            "TI_RUN": f"{name and '-'}{name}",
         }
+        self.process: subprocess.Popen | None = None
 
-    def run(self, *command) -> tuple[int | None, str]:
+    def run(self, *command, timeout: float = TIMEOUT_S) -> tuple[int | None, str]:
         """Status and output of a command; None when it did not end in time."""
-        with subprocess.Popen(
-            [str(word) for word in command],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            start_new_session=True,
-        ) as process:
-            try:
-                output, _ = process.communicate(timeout=TIMEOUT_S)
-                status = process.returncode
-            except subprocess.TimeoutExpired:
-                os.killpg(process.pid, signal.SIGKILL)
-                output, _ = process.communicate()
-                status = None
-            except BaseException:
-                os.killpg(process.pid, signal.SIGKILL)
-                raise
+        status, output = run_group(command, self.folder, self.environment, timeout, self.started)
         with self.log.open("a") as log:
             log.write(f"$ {' '.join(map(str, command))}\n{output}\nstatus {status}\n\n")
         return status, output
 
-    def check(self, name: str) -> str:
-        """What is red in a unit test file or a run of LOCK_STEP; empty when it is green."""
-        return self.lock_step(name) if name in LOCK_STEP else self.unit_test(name)
+    def started(self, process: subprocess.Popen) -> None:
+        self.process = process
 
-    def unit_test(self, name: str) -> str:
+    def stop(self) -> None:
+        """End the command that runs, from another thread."""
+        if self.process and self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGKILL)
+
+    def check(self, name: str, timeout: float = TIMEOUT_S) -> str:
+        """What is red in a unit test file or a run of LOCK_STEP; empty when it is green."""
+        if name in LOCK_STEP:
+            return self.trace(name, self.engine(name), timeout)
+        return self.unit_test(name, timeout)
+
+    def unit_test(self, name: str, timeout: float) -> str:
         """The first failure of a unit test file."""
-        status, output = self.run(sys.executable, "-m", "pytest", "-x", f"tb/unit/{name}.py")
+        file = f"tb/unit/{name}.py"
+        status, output = self.run(sys.executable, "-m", "pytest", "-x", file, timeout=timeout)
         if status == 0:
             return ""
         if status is None:
@@ -189,21 +237,26 @@ class Copy:
         tests = re.findall(r"^(?:E +)?failed: (.*?) \(whole output", output, re.MULTILINE)
         return f"{name} ({tests[0].split(', ')[0]})" if tests else name
 
-    def lock_step(self, name: str) -> str:
-        """Whether the engine and the model differ in a run."""
+    def engine(self, name: str) -> Path:
+        """Build the engine of a run; the folder of its configuration."""
         ready = [word for file in SHARED for word in ("-o", file)]
-        overrides, scene, options = LOCK_STEP[name]
+        overrides = LOCK_STEP[name][0]
         status, _ = self.run("make", "engine", "CONFIG=tiny", f"SET={overrides}", *ready)
         if status != 0:
             raise UselessError("the engine does not build")
-        build = Path("build", configure.load("tiny", overrides.split()).folder)
+        return Path("build", configure.load("tiny", overrides.split()).folder)
+
+    def trace(self, name: str, build: Path, timeout: float) -> str:
+        """Whether the engine and the model differ in a run."""
+        _, scene, options = LOCK_STEP[name]
+        out = Path("build/trace", self.name)
         command = [ROOT / "build/sw/ti", "trace", "--engine", "rtl", "--no-progress", "--no-truth"]
         command += ["--rtl", build / "engine/libti_rtl.so"]
         command += ["--config", build / "config.json", "--scene", scene]
-        command += ["--rays", "random:3000", "--out", "build/trace", *options]
-        report = self.folder / "build/trace/report.json"
+        command += ["--rays", "random:3000", "--out", out, *options]
+        report = self.folder / out / "report.json"
         report.unlink(missing_ok=True)
-        status, _ = self.run(*command)
+        status, _ = self.run(*command, timeout=timeout)
         if status == 2:
             raise UselessError("ti does not run")
         if status == 0 or (status == 1 and only_memory_failed(report)):

@@ -2,6 +2,7 @@
 """Files that took longest the last time start first; the slowest tests go to build/test."""
 
 import json
+import os
 from collections import Counter
 from pathlib import Path
 
@@ -39,6 +40,8 @@ def pytest_sessionfinish(session):
     files = Counter()
     for test, seconds in _seconds.items():
         files[test.split("::")[0]] += seconds
-    FILES.write_text(json.dumps(_known() | files, indent=1))
+    part = FILES.with_suffix(f".{os.getpid()}")  # others may read meanwhile
+    part.write_text(json.dumps(_known() | files, indent=1))
+    part.replace(FILES)
     lines = [f"{seconds:7.1f} s  {test}\n" for test, seconds in _seconds.most_common(15)]
     (OUT / "slowest.txt").write_text("".join(lines))

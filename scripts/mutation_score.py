@@ -1,0 +1,358 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Score of the tests: how many of the mutations that are drawn from the RTL they find.
+
+All mutations of the RTL are found (scripts/mutations.py), those that Verilator does not take are
+left out, and a number of the others are drawn by the seed.  They go into one copy of the project,
+each behind a number (scripts/mutation_switch.py), so that one build serves all.  For each, up to
+the first that finds it:
+
+1. *lint*: the mutation alone, written into its file, before `verilator -Wall`;
+2. *unit*: the unit tests of its module, or of the nearest module above that has some, then those
+   that tb/mutants.yaml names for its file;
+3. *lock-step*: the runs of scripts/mutants.py, where the engine has the module.
+
+What runs three times as long as without the mutation has been found too.  Results are kept as they
+come, in build/mutants/generated; a second call goes on where the first stopped, and tries again
+what survived if tests have changed.  tb/survivors.yaml says of survivors why no test finds them.
+
+Exit status: 0 when all are found or explained there, 1 when one is neither, 2 when something could
+not be tried.
+
+Usage: scripts/mutation_score.py --count N [--seed N] [--unit MODULE] [--json FILE] [--jobs N]
+"""
+
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import queue
+import shutil
+import signal
+import sys
+import threading
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import configure
+import mutants
+import mutation_switch as switch
+import mutation_table
+import mutations
+import operators
+import rtl_syntax
+from mutants import LOCK_STEP, ROOT, Copy, UselessError
+from mutations import Mutation
+
+# Made from other files, so that a mutation is found by making them again.
+MADE = ("rtl/host/ti_regs.sv", "rtl/host/ti_regs_pkg.sv")
+PATIENCE, LEAST_S = 3, 20  # times the time without a mutation; at least
+# What tests are made of: a survivor is tried again when it changes.
+TESTS = ("tb", "sw", "sim", "scenes", "configs")
+
+
+class ScoreError(Exception):
+    """One sentence: what could not be tried."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one mutation: `by` is the stage that found it, or empty; `says` what was red."""
+
+    number: int
+    by: str
+    says: str
+    seconds: float
+    rtl: str
+    tests: str
+
+
+class Design:
+    """The RTL: its mutations that compile, by number, and which module is where."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.files, headers = rtl_syntax.design(ROOT)
+        configure.configure("tiny", [], folder / "config")
+        headers = [*headers, folder / "config"]
+        found = mutations.find(ROOT, self.files, headers, left_out=MADE)
+        self.digest = switch.digest([ROOT / file for file in self.files], found)
+        self.all = len(found)
+        self.numbered = dict(switch.compilable(ROOT, folder, self.files, found))
+        self.children = rtl_syntax.instances(ROOT, self.files, headers)
+        self.built: dict[tuple[str, str], set[str]] = {}
+
+    def modules(self, shape: str, top: str) -> set[str]:
+        """The modules of which a configuration has an instance."""
+        if (shape, top) not in self.built:
+            name, *overrides = shape.split()
+            config = self.folder / configure.folder_name(shape)
+            configure.configure(name, overrides, config)
+            slang, instance = operators.elaborate(config / "ti_config_pkg.sv", ROOT / "rtl", top)
+            names = set()
+            instance.visit(
+                lambda node: (
+                    names.add(node.definition.name) if hasattr(node, "definition") else None
+                )
+            )
+            self.built[shape, top] = names
+            del slang
+        return self.built[shape, top]
+
+    def shape_of(self, module: str) -> str:
+        """A configuration that has a module; the first for packages."""
+        return next(
+            (s for s in switch.SHAPES if module in self.modules(s, "ti_top")), switch.SHAPES[0]
+        )
+
+    def unit_tests(self, mutation: Mutation) -> list[str]:
+        """Tests of a module, or of those nearest above it, then those of the faults of its file."""
+        above, level = {mutation.module}, []
+        for _ in range(len(self.children)):
+            level = [
+                f"test_{m}" for m in sorted(above) if (ROOT / f"tb/unit/test_{m}.py").is_file()
+            ]
+            if level or not above:
+                break
+            above = {m for m, inside in self.children.items() if inside & above}
+        return list(dict.fromkeys([*level, *faults_of(mutation.file)]))
+
+    def runs(self, module: str) -> list[str]:
+        """The runs in lock-step whose engine has a module (or any, for a package)."""
+        names = []
+        for name, (overrides, _, _) in LOCK_STEP.items():
+            inside = self.modules(f"tiny {overrides}".strip(), "ti_engine")
+            if module in inside or module.endswith("_pkg"):
+                names.append(name)
+        return names
+
+
+def faults_of(file: str) -> list[str]:
+    """Tests that the faults of a file in tb/mutants.yaml name, most often named first."""
+    named = [test for fault in mutants.load() if fault.file == file for test in fault.tests]
+    return sorted(dict.fromkeys(named), key=lambda test: -named.count(test))
+
+
+def tests_digest() -> str:
+    text = hashlib.sha256()
+    for folder in TESTS:
+        for file in sorted((ROOT / folder).rglob("*")):
+            if file.is_file() and file.suffix in (".py", ".cpp", ".hpp", ".sv", ".vlt"):
+                text.update(file.read_bytes())
+    return text.hexdigest()[:16]
+
+
+class Score:
+    """A sample of mutations, tried one after the other or several at once."""
+
+    def __init__(self, design: Design, sample: dict[int, Mutation], folder: Path, jobs: int):
+        self.design, self.sample, self.folder, self.jobs = design, sample, folder, jobs
+        self.tests = tests_digest()
+        self.project = folder / "project"
+        mutants.copy_project(self.project)
+        switch.write(ROOT, self.project, design.files, sample)
+        waivers = "lint/verilator.vlt"
+        text = (ROOT / waivers).read_text() + switch.ANY_WARNING
+        switch.put(self.project / waivers, text, ROOT / waivers)
+        self.green: dict[str, float] = {}  # seconds of a check without a mutation
+        self.useless: dict[str, str] = {}  # what is red in a check without one
+        self.locks: dict[str, threading.Lock] = {}
+        self.lock = threading.Lock()
+        self.copies: list[Copy] = []
+        self.stopped = False
+        self.results = folder / "results.jsonl"
+        self.outcomes = self.known()
+
+    def known(self) -> dict[int, Outcome]:
+        """Results of earlier calls that still hold."""
+        lines = self.results.read_text().splitlines() if self.results.is_file() else []
+        outcomes = {}
+        for line in lines:
+            outcome = Outcome(**json.loads(line))
+            still = outcome.rtl == self.design.digest and (
+                outcome.by or outcome.tests == self.tests
+            )
+            if still and outcome.number in self.sample:
+                outcomes[outcome.number] = outcome
+        return outcomes
+
+    def run(self) -> None:
+        """Try what has not been tried."""
+        left = [number for number in self.sample if number not in self.outcomes]
+        names: queue.SimpleQueue[str] = queue.SimpleQueue()
+        for job in range(self.jobs):
+            names.put(f"job{job}")
+        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+            tries = [pool.submit(self.try_one, number, names) for number in left]
+            try:
+                for done in concurrent.futures.as_completed(tries):
+                    self.keep(done.result())
+            finally:
+                self.stopped = True
+                for waiting in tries:
+                    waiting.cancel()
+                for copy in self.copies:
+                    copy.stop()
+
+    def keep(self, outcome: Outcome) -> None:
+        self.outcomes[outcome.number] = outcome
+        with self.results.open("a") as file:
+            file.write(json.dumps(asdict(outcome)) + "\n")
+        m = self.sample[outcome.number]
+        what = f"{outcome.by}: {outcome.says}" if outcome.by else "SURVIVES"
+        place = f"{m.file}:{m.line}"
+        change = f"{' '.join(m.old.split())} -> {' '.join(m.new.split())}"
+        progress = f"{len(self.outcomes)}/{len(self.sample)}"
+        print(
+            f"{progress:9}{outcome.number:5} {place:44} {m.kind:10} {change[:60]:60} "
+            f"{what[:70]}  ({outcome.seconds:.0f} s)",
+            flush=True,
+        )
+
+    def try_one(self, number: int, names: queue.SimpleQueue) -> Outcome:
+        name = names.get()
+        try:
+            begin = time.monotonic()
+            by, says = self.stages(number, name)
+            seconds = round(time.monotonic() - begin, 1)
+            complete = by or not says
+            tests = self.tests if complete else ""
+            return Outcome(number, by, says, seconds, self.design.digest, tests)
+        finally:
+            names.put(name)
+
+    def stages(self, number: int, name: str) -> tuple[str, str]:
+        """Which stage finds a mutation, and what it says; empty when none does."""
+        mutation = self.sample[number]
+        if says := self.lint(mutation, name):
+            return "lint", says
+        here = self.copy(name, number)
+        left_out = ""
+        for stage, checks in (
+            ("unit", self.design.unit_tests(mutation)),
+            ("lock-step", self.design.runs(mutation.module)),
+        ):
+            for check in checks:
+                seconds = self.without(check)
+                if self.stopped:
+                    raise ScoreError("stopped")
+                if check in self.useless:
+                    left_out = f"{check} left out"
+                    continue
+                timeout = max(LEAST_S, PATIENCE * seconds)
+                try:
+                    says = self.check(here, check, timeout)
+                except UselessError as error:
+                    if stage == "unit":
+                        raise ScoreError(
+                            f"{check}, mutation {number}: {error}; see {here.log}"
+                        ) from None
+                    says = f"{check} ({error})"
+                if says:
+                    return stage, says
+        return "", left_out
+
+    def copy(self, name: str, number: int) -> Copy:
+        """Commands in the copy of the project with a mutation on."""
+        here = Copy(self.project, name)
+        here.environment["TI_MUTANT"] = str(number)
+        self.copies.append(here)
+        return here
+
+    def check(self, here: Copy, check: str, timeout: float) -> str:
+        """What is red in a check whose engine or simulation has been built."""
+        if check in LOCK_STEP:
+            return here.trace(check, engine_folder(check), timeout)
+        return here.unit_test(check, timeout)
+
+    def without(self, check: str) -> float:
+        """Seconds of a check without a mutation; what it needs is built first."""
+        with self.lock:
+            mine = self.locks.setdefault(check, threading.Lock())
+        with mine:
+            if check not in self.green:
+                here = self.copy(f"unchanged-{check.replace(' ', '-').replace(',', '')}", 0)
+                begin = time.monotonic()
+                try:
+                    says = here.check(check)
+                    begin = time.monotonic()
+                    says = says or self.check(here, check, mutants.TIMEOUT_S)
+                except UselessError as error:
+                    says = str(error)
+                self.green[check] = time.monotonic() - begin
+                if says:
+                    self.useless[check] = says
+                    print(f"{check} is red without a mutation: {says}; see {here.log}", flush=True)
+                else:
+                    print(f"{check}: {self.green[check]:.1f} s without a mutation", flush=True)
+        return self.green[check]
+
+    def lint(self, mutation: Mutation, name: str) -> str:
+        """The first complaint of Verilator of the mutation as it would be written."""
+        shape = self.design.shape_of(mutation.module)
+        file = self.folder / f"lint-{name}" / Path(mutation.file).name
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(mutation.apply((ROOT / mutation.file).read_text()))
+        _, said = switch.verilate(ROOT, self.design.folder, shape, replaced={mutation.file: file})
+        shutil.rmtree(file.parent)
+        first = said.partition("\n")[0]
+        return first.replace(f"{file.parent}/", "")
+
+
+def engine_folder(check: str) -> Path:
+    return Path("build", configure.load("tiny", LOCK_STEP[check][0].split()).folder)
+
+
+def draw(design: Design, count: int, seed: int, unit: str) -> dict[int, Mutation]:
+    """The mutations that are tried, by number."""
+    numbers = [n for n, m in design.numbered.items() if unit in ("", m.module)]
+    if not numbers:
+        raise ScoreError(f"{unit}: no module of rtl/ti.f that has a mutation")
+    return {n: design.numbered[n] for n in mutations.sample(numbers, count, seed)}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, required=True, help="mutations to draw")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--unit", default="", metavar="MODULE", help="of this module alone")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="the table and all results")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="mutations at once")
+    arguments = parser.parse_args()
+    # Ends what was started too: `run` of a copy cleans up after any exception.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    try:
+        if arguments.count < 1 or arguments.jobs < 1:
+            raise ScoreError("--count and --jobs must be 1 or more")
+        mutants.GENERATED.mkdir(parents=True, exist_ok=True)
+        design = Design(mutants.GENERATED)
+        sample = draw(design, arguments.count, arguments.seed, arguments.unit)
+        words = [f"seed-{arguments.seed}", str(arguments.count), arguments.unit]
+        folder = mutants.GENERATED / "-".join(word for word in words if word)
+        folder.mkdir(exist_ok=True)
+        print(
+            f"{design.all} mutations, {design.all - len(design.numbered)} of which do not compile; "
+            f"{len(sample)} drawn with seed {arguments.seed}",
+            flush=True,
+        )
+        score = Score(design, sample, folder, arguments.jobs)
+        score.run()
+        status = mutation_table.report(design, sample, score.outcomes, arguments.json)
+        for check, says in score.useless.items():
+            print(f"{check} is red without a mutation and was left out: {says}")
+        return 2 if score.useless else status
+    except (
+        ScoreError,
+        mutants.TableError,
+        rtl_syntax.SyntaxProblem,
+        switch.BuildProblem,
+        mutation_table.ExplanationError,
+    ) as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())
