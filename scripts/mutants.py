@@ -224,9 +224,16 @@ class Copy:
             return self.trace(name, self.engine(name), timeout)
         return self.unit_test(name, timeout)
 
+    def collect(self, name: str) -> list[str]:
+        """The tests of a unit test file, each as a name for `check`."""
+        _, output = self.run(sys.executable, "-m", "pytest", "--collect-only", f"tb/unit/{name}.py")
+        tests = re.findall(r"^tb/unit/\w+\.py(::.+)$", output, re.MULTILINE)
+        return [f"{name}{test}" for test in tests]
+
     def unit_test(self, name: str, timeout: float) -> str:
-        """The first failure of a unit test file."""
-        file = f"tb/unit/{name}.py"
+        """The first failure of a unit test file, or of one test of it: FILE::TEST."""
+        file, colons, test = name.partition("::")
+        file = f"tb/unit/{file}.py{colons}{test}"
         status, output = self.run(sys.executable, "-m", "pytest", "-x", file, timeout=timeout)
         if status == 0:
             return ""

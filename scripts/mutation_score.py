@@ -8,11 +8,11 @@ each behind a number (scripts/mutation_switch.py), so that one build serves all.
 the first that finds it:
 
 1. *lint*: the mutation alone, written into its file, before `verilator -Wall`;
-2. *unit*: the unit tests of its module, or of the nearest module above that has some, then those
-   that tb/mutants.yaml names for its file;
-3. *lock-step*: the runs of scripts/mutants.py, where the engine has the module.
+2. *unit*: the unit tests of its module, or of the nearest module above that has some;
+3. *lock-step*: the runs of scripts/mutants.py, where the engine has the module;
+4. *above*: other unit tests, which tb/mutants.yaml names for its file.
 
-What runs three times as long as without the mutation has been found too.  Results are kept as they
+What runs five times as long as without the mutation has been found too.  Results are kept as they
 come, in build/mutants/generated; a second call goes on where the first stopped, and tries again
 what survived if tests have changed.  tb/survivors.yaml says of survivors why no test finds them.
 
@@ -48,7 +48,7 @@ from mutations import Mutation
 
 # Made from other files, so that a mutation is found by making them again.
 MADE = ("rtl/host/ti_regs.sv", "rtl/host/ti_regs_pkg.sv")
-PATIENCE, LEAST_S = 3, 20  # times the time without a mutation; at least
+PATIENCE, LEAST_S = 5, 30  # times the time without a mutation; at least
 # What tests are made of: a survivor is tried again when it changes.
 TESTS = ("tb", "sw", "sim", "scenes", "configs")
 
@@ -107,17 +107,15 @@ class Design:
             (s for s in switch.SHAPES if module in self.modules(s, "ti_top")), switch.SHAPES[0]
         )
 
-    def unit_tests(self, mutation: Mutation) -> list[str]:
-        """Tests of a module, or of those nearest above it, then those of the faults of its file."""
-        above, level = {mutation.module}, []
-        for _ in range(len(self.children)):
-            level = [
-                f"test_{m}" for m in sorted(above) if (ROOT / f"tb/unit/test_{m}.py").is_file()
-            ]
-            if level or not above:
-                break
-            above = {m for m, inside in self.children.items() if inside & above}
-        return list(dict.fromkeys([*level, *faults_of(mutation.file)]))
+    def checks(self, mutation: Mutation) -> list[tuple[str, str]]:
+        """What a mutation is tried with once lint has taken it, in order, each with its stage."""
+        tests = nearest_tests(mutation.module, self.children)
+        others = [test for test in faults_of(mutation.file) if test not in tests]
+        return [
+            *((test, "unit") for test in tests),
+            *((run, "lock-step") for run in self.runs(mutation.module)),
+            *((test, "above") for test in others),
+        ]
 
     def runs(self, module: str) -> list[str]:
         """The runs in lock-step whose engine has a module (or any, for a package)."""
@@ -127,6 +125,18 @@ class Design:
             if module in inside or module.endswith("_pkg"):
                 names.append(name)
         return names
+
+
+def nearest_tests(module: str, children: dict[str, set[str]]) -> list[str]:
+    """Unit tests of a module, or of those nearest above it."""
+    above, seen = {module}, set()
+    while above:
+        tests = [f"test_{m}" for m in sorted(above) if (ROOT / f"tb/unit/test_{m}.py").is_file()]
+        if tests:
+            return tests
+        seen |= above
+        above = {m for m, inside in children.items() if inside & above} - seen
+    return []
 
 
 def faults_of(file: str) -> list[str]:
@@ -156,8 +166,11 @@ class Score:
         waivers = "lint/verilator.vlt"
         text = (ROOT / waivers).read_text() + switch.ANY_WARNING
         switch.put(self.project / waivers, text, ROOT / waivers)
-        self.green: dict[str, float] = {}  # seconds of a check without a mutation
+        self.times = folder / f"green-{design.digest}-{self.tests}.json"
+        # Seconds of each check without a mutation, once what it needs is built.
+        self.green: dict[str, float] = read_times(self.times)
         self.useless: dict[str, str] = {}  # what is red in a check without one
+        self.firsts: dict[str, list[str]] = {}
         self.locks: dict[str, threading.Lock] = {}
         self.lock = threading.Lock()
         self.copies: list[Copy] = []
@@ -230,29 +243,33 @@ class Score:
             return "lint", says
         here = self.copy(name, number)
         left_out = ""
-        for stage, checks in (
-            ("unit", self.design.unit_tests(mutation)),
-            ("lock-step", self.design.runs(mutation.module)),
-        ):
-            for check in checks:
-                seconds = self.without(check)
+        for check, stage in self.design.checks(mutation):
+            # Most are found by the first shape, so that the others are built only for the rest.
+            for part in [*self.first_of(check, name), check]:
+                seconds = self.without(part, name)
                 if self.stopped:
                     raise ScoreError("stopped")
-                if check in self.useless:
-                    left_out = f"{check} left out"
+                if part in self.useless:
+                    left_out = f"{part} left out"
                     continue
-                timeout = max(LEAST_S, PATIENCE * seconds)
                 try:
-                    says = self.check(here, check, timeout)
+                    says = self.check(here, part, max(LEAST_S, PATIENCE * seconds))
                 except UselessError as error:
-                    if stage == "unit":
-                        raise ScoreError(
-                            f"{check}, mutation {number}: {error}; see {here.log}"
-                        ) from None
-                    says = f"{check} ({error})"
+                    if stage != "lock-step":
+                        raise ScoreError(f"mutation {number}: {error}; see {here.log}") from None
+                    says = f"{part} ({error})"
                 if says:
                     return stage, says
         return "", left_out
+
+    def first_of(self, check: str, name: str) -> list[str]:
+        """The first test of a file that has several, where a check is one."""
+        if check in LOCK_STEP:
+            return []
+        with self.lock:
+            if check not in self.firsts:
+                self.firsts[check] = self.copy(name, 0).collect(check)[:-1][:1]
+        return self.firsts[check]
 
     def copy(self, name: str, number: int) -> Copy:
         """Commands in the copy of the project with a mutation on."""
@@ -267,18 +284,20 @@ class Score:
             return here.trace(check, engine_folder(check), timeout)
         return here.unit_test(check, timeout)
 
-    def without(self, check: str) -> float:
-        """Seconds of a check without a mutation; what it needs is built first."""
+    def without(self, check: str, name: str) -> float:
+        """Seconds of a check without a mutation, or somewhat more; what it needs is built first."""
         with self.lock:
-            mine = self.locks.setdefault(check, threading.Lock())
+            mine = self.locks.setdefault(check.partition("::")[0], threading.Lock())
         with mine:
             if check not in self.green:
-                here = self.copy(f"unchanged-{check.replace(' ', '-').replace(',', '')}", 0)
+                here = self.copy(f"unchanged-{name}", 0)
                 begin = time.monotonic()
                 try:
                     says = here.check(check)
-                    begin = time.monotonic()
-                    says = says or self.check(here, check, mutants.TIMEOUT_S)
+                    # Of the other shapes the time with their builds will do.
+                    if not says and not self.firsts.get(check):
+                        begin = time.monotonic()
+                        says = self.check(here, check, mutants.TIMEOUT_S)
                 except UselessError as error:
                     says = str(error)
                 self.green[check] = time.monotonic() - begin
@@ -287,6 +306,8 @@ class Score:
                     print(f"{check} is red without a mutation: {says}; see {here.log}", flush=True)
                 else:
                     print(f"{check}: {self.green[check]:.1f} s without a mutation", flush=True)
+                    good = {c: s for c, s in self.green.items() if c not in self.useless}
+                    self.times.write_text(json.dumps(good, indent=1))
         return self.green[check]
 
     def lint(self, mutation: Mutation, name: str) -> str:
@@ -299,6 +320,10 @@ class Score:
         shutil.rmtree(file.parent)
         first = said.partition("\n")[0]
         return first.replace(f"{file.parent}/", "")
+
+
+def read_times(file: Path) -> dict[str, float]:
+    return json.loads(file.read_text()) if file.is_file() else {}
 
 
 def engine_folder(check: str) -> Path:

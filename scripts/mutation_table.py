@@ -10,7 +10,7 @@ import yaml
 from mutations import KINDS, Mutation
 
 EXPLANATIONS = Path(__file__).resolve().parents[1] / "tb/survivors.yaml"
-STAGES = ("lint", "unit", "lock-step")
+STAGES = ("lint", "unit", "lock-step", "above")
 
 
 class ExplanationError(Exception):

@@ -6,6 +6,7 @@ import os
 import subprocess
 
 import configure
+import mutation_score
 import mutation_switch
 import mutation_table
 import mutations
@@ -320,6 +321,36 @@ def test_an_error_is_blamed_on_the_smallest_mutation_around_it(tmp_path):
     assert blamed(line.index("a || b")) == {2}
     assert blamed(line.index("a && b")) == {1, 2}
     assert blamed(line.index("assign")) == {1, 2}
+
+
+def test_a_module_is_tried_with_its_tests_or_those_nearest_above():
+    children = {"ti_top": {"ti_x"}, "ti_x": {"ti_y"}, "ti_fifo": {"ti_y"}, "ti_y": {"ti_arbiter"}}
+    assert mutation_score.nearest_tests("ti_arbiter", children) == ["test_ti_arbiter"]
+    assert mutation_score.nearest_tests("ti_x", children) == ["test_ti_top"]
+    assert mutation_score.nearest_tests("ti_y", children) == ["test_ti_fifo"]
+    assert mutation_score.nearest_tests("ti_z", children) == []
+
+
+def test_what_nobody_could_see_does_not_count():
+    hows = ["lint", "unit", "unit", "lock-step", "above", "survives", "equivalent", "equivalent"]
+    table = mutation_table.rows([("a", how) for how in hows] + [("b", "survives")])
+    assert table == [
+        ("a", 8, 1, 2, 1, 1, 1, 2, "83.3 %"),
+        ("b", 1, 0, 0, 0, 0, 1, 0, "0.0 %"),
+        ("all", 9, 1, 2, 1, 1, 2, 2, "71.4 %"),
+    ]
+
+
+def test_explanations_need_all_their_words(tmp_path):
+    file = tmp_path / "survivors.yaml"
+    entry = "- {file: a.sv, at: x = y, old: y, new: z, why: w"
+    file.write_text(f"{entry}, equivalent: true}}\n")
+    (key,) = mutation_table.load(file)
+    assert key == ("a.sv", "x = y", "y", "z")
+    for bad in (f"{entry}}}\n", 2 * f"{entry}, equivalent: true}}\n"):
+        file.write_text(bad)
+        with pytest.raises(mutation_table.ExplanationError):
+            mutation_table.load(file)
 
 
 def test_each_explanation_is_of_a_mutation_of_the_rtl(tmp_path):
