@@ -229,11 +229,10 @@ class Finder:
 
     def assignment(self, node, in_reset: bool) -> None:
         right = self.slice(node.right)
-        target = re.split(r"[\[\s]", str(node.left).strip())[0]
         if node.right.kind.name in LITERALS or not right or in_reset:
             return
         self.add(node.right, "assignment", [ZERO])
-        if target in self.vectors:
+        if self.slice(node.left) in self.vectors:  # all of it
             self.add(node.right, "width", [f"((({right}) << 1) >> 1)"])
 
     def connection(self, port) -> None:

@@ -115,6 +115,7 @@ def test_a_reset_is_another_value_or_none(tmp_path):
 def test_a_vector_loses_its_top_bit(tmp_path):
     body = "logic [3:0] v; logic w; assign v = a; assign w = b[0]; assign y = v[0] ^ w;"
     assert changes(tmp_path, body, "width") == [("a", "(((a) << 1) >> 1)")]
+    assert changes(tmp_path, "logic [3:0] v; assign v[1] = a[0];", "width") == []
 
 
 def test_an_input_of_an_instance_is_zero_or_inverted(tmp_path):
