@@ -24,7 +24,6 @@ Usage: scripts/mutation_score.py --count N [--seed N] [--unit MODULE] [--json FI
 
 import argparse
 import concurrent.futures
-import hashlib
 import json
 import os
 import queue
@@ -40,17 +39,12 @@ import configure
 import mutants
 import mutation_switch as switch
 import mutation_table
-import mutations
-import operators
 import rtl_syntax
 from mutants import LOCK_STEP, ROOT, Copy, UselessError
+from mutation_design import Design, Tests
 from mutations import Mutation
 
-# Made from other files, so that a mutation is found by making them again.
-MADE = ("rtl/host/ti_regs.sv", "rtl/host/ti_regs_pkg.sv")
 PATIENCE, LEAST_S = 5, 30  # times the time without a mutation; at least
-# What tests are made of: a survivor is tried again when it changes.
-TESTS = ("tb", "sw", "sim", "scenes", "configs")
 
 
 class ScoreError(Exception):
@@ -69,105 +63,15 @@ class Outcome:
     tests: str
 
 
-class Design:
-    """The RTL: its mutations that compile, by number, and which module is where."""
-
-    def __init__(self, folder: Path):
-        self.folder = folder
-        self.files, headers = rtl_syntax.design(ROOT)
-        configure.configure("tiny", [], folder / "config")
-        headers = [*headers, folder / "config"]
-        found = mutations.find(ROOT, self.files, headers, left_out=MADE)
-        self.digest = switch.digest([ROOT / file for file in self.files], found)
-        self.all = len(found)
-        self.numbered = dict(switch.compilable(ROOT, folder, self.files, found))
-        self.children = rtl_syntax.instances(ROOT, self.files, headers)
-        self.built: dict[tuple[str, str], set[str]] = {}
-
-    def modules(self, shape: str, top: str) -> set[str]:
-        """The modules of which a configuration has an instance."""
-        if (shape, top) not in self.built:
-            name, *overrides = shape.split()
-            config = self.folder / configure.folder_name(shape)
-            configure.configure(name, overrides, config)
-            slang, instance = operators.elaborate(config / "ti_config_pkg.sv", ROOT / "rtl", top)
-            names = set()
-            instance.visit(
-                lambda node: (
-                    names.add(node.definition.name) if hasattr(node, "definition") else None
-                )
-            )
-            self.built[shape, top] = names
-            del slang
-        return self.built[shape, top]
-
-    def shape_of(self, module: str) -> str:
-        """A configuration that has a module; the first for packages."""
-        return next(
-            (s for s in switch.SHAPES if module in self.modules(s, "ti_top")), switch.SHAPES[0]
-        )
-
-    def checks(self, mutation: Mutation) -> list[tuple[str, str]]:
-        """What a mutation is tried with once lint has taken it, in order, each with its stage."""
-        tests = nearest_tests(mutation.module, self.children)
-        others = [test for test in faults_of(mutation.file) if test not in tests]
-        return [
-            *((test, "unit") for test in tests),
-            *((run, "lock-step") for run in self.runs(mutation.module)),
-            *((test, "above") for test in others),
-        ]
-
-    def runs(self, module: str) -> list[str]:
-        """The runs in lock-step whose engine has a module (or any, for a package)."""
-        names = []
-        for name, (overrides, _, _) in LOCK_STEP.items():
-            inside = self.modules(f"tiny {overrides}".strip(), "ti_engine")
-            if module in inside or module.endswith("_pkg"):
-                names.append(name)
-        return names
-
-
-def nearest_tests(module: str, children: dict[str, set[str]]) -> list[str]:
-    """Unit tests of a module, or of those nearest above it."""
-    above, seen = {module}, set()
-    while above:
-        tests = [f"test_{m}" for m in sorted(above) if (ROOT / f"tb/unit/test_{m}.py").is_file()]
-        if tests:
-            return tests
-        seen |= above
-        above = {m for m, inside in children.items() if inside & above} - seen
-    return []
-
-
-def faults_of(file: str) -> list[str]:
-    """Tests that the faults of a file in tb/mutants.yaml name, most often named first."""
-    named = [test for fault in mutants.load() if fault.file == file for test in fault.tests]
-    return sorted(dict.fromkeys(named), key=lambda test: -named.count(test))
-
-
-def tests_digest() -> str:
-    text = hashlib.sha256()
-    for folder in TESTS:
-        for file in sorted((ROOT / folder).rglob("*")):
-            if file.is_file() and file.suffix in (".py", ".cpp", ".hpp", ".sv", ".vlt"):
-                text.update(file.read_bytes())
-    return text.hexdigest()[:16]
-
-
 class Score:
     """A sample of mutations, tried one after the other or several at once."""
 
     def __init__(self, design: Design, sample: dict[int, Mutation], folder: Path, jobs: int):
         self.design, self.sample, self.folder, self.jobs = design, sample, folder, jobs
-        self.tests = tests_digest()
+        self.tests = Tests()
         self.project = folder / "project"
-        mutants.copy_project(self.project)
-        switch.write(ROOT, self.project, design.files, sample)
-        waivers = "lint/verilator.vlt"
-        text = (ROOT / waivers).read_text() + switch.ANY_WARNING
-        switch.put(self.project / waivers, text, ROOT / waivers)
-        self.times = folder / f"green-{design.digest}-{self.tests}.json"
-        # Seconds of each check without a mutation, once what it needs is built.
+        self.times = folder / f"seconds-{design.digest}.json"
+        # Seconds of each check without a mutation, once it is built; by its name and digest.
         self.green: dict[str, float] = read_times(self.times)
         self.useless: dict[str, str] = {}  # what is red in a check without one
         self.firsts: dict[str, list[str]] = {}
@@ -175,7 +79,7 @@ class Score:
         self.lock = threading.Lock()
         self.copies: list[Copy] = []
         self.stopped = False
-        self.results = folder / "results.jsonl"
+        self.results = folder.parent / "results.jsonl"  # of all samples
         self.outcomes = self.known()
 
     def known(self) -> dict[int, Outcome]:
@@ -184,16 +88,28 @@ class Score:
         outcomes = {}
         for line in lines:
             outcome = Outcome(**json.loads(line))
-            still = outcome.rtl == self.design.digest and (
-                outcome.by or outcome.tests == self.tests
-            )
-            if still and outcome.number in self.sample:
+            same = outcome.rtl == self.design.digest and outcome.number in self.sample
+            if same and (outcome.by or outcome.tests == self.tests_of(outcome.number)):
                 outcomes[outcome.number] = outcome
         return outcomes
+
+    def tests_of(self, number: int) -> str:
+        checks = self.design.checks(self.sample[number])
+        return self.tests.digest(check for check, _ in checks)
+
+    def prepare(self) -> None:
+        """The copy of the project with the sample in it."""
+        mutants.copy_project(self.project)
+        switch.write(ROOT, self.project, self.design.files, self.sample)
+        waivers = "lint/verilator.vlt"
+        text = (ROOT / waivers).read_text() + switch.ANY_WARNING
+        switch.put(self.project / waivers, text, ROOT / waivers)
 
     def run(self) -> None:
         """Try what has not been tried."""
         left = [number for number in self.sample if number not in self.outcomes]
+        if left:
+            self.prepare()
         names: queue.SimpleQueue[str] = queue.SimpleQueue()
         for job in range(self.jobs):
             names.put(f"job{job}")
@@ -231,7 +147,7 @@ class Score:
             by, says = self.stages(number, name)
             seconds = round(time.monotonic() - begin, 1)
             complete = by or not says
-            tests = self.tests if complete else ""
+            tests = self.tests_of(number) if complete else ""
             return Outcome(number, by, says, seconds, self.design.digest, tests)
         finally:
             names.put(name)
@@ -268,7 +184,7 @@ class Score:
             return []
         with self.lock:
             if check not in self.firsts:
-                self.firsts[check] = self.copy(name, 0).collect(check)[:-1][:1]
+                self.firsts[check] = self.copy(f"unchanged-{name}", 0).collect(check)[:-1][:1]
         return self.firsts[check]
 
     def copy(self, name: str, number: int) -> Copy:
@@ -288,8 +204,9 @@ class Score:
         """Seconds of a check without a mutation, or somewhat more; what it needs is built first."""
         with self.lock:
             mine = self.locks.setdefault(check.partition("::")[0], threading.Lock())
+        key = f"{check} {self.tests.digest([check])}"
         with mine:
-            if check not in self.green:
+            if key not in self.green:
                 here = self.copy(f"unchanged-{name}", 0)
                 begin = time.monotonic()
                 try:
@@ -300,15 +217,19 @@ class Score:
                         says = self.check(here, check, mutants.TIMEOUT_S)
                 except UselessError as error:
                     says = str(error)
-                self.green[check] = time.monotonic() - begin
+                self.green[key] = time.monotonic() - begin
                 if says:
                     self.useless[check] = says
                     print(f"{check} is red without a mutation: {says}; see {here.log}", flush=True)
                 else:
-                    print(f"{check}: {self.green[check]:.1f} s without a mutation", flush=True)
-                    good = {c: s for c, s in self.green.items() if c not in self.useless}
+                    print(f"{check}: {self.green[key]:.1f} s without a mutation", flush=True)
+                    good = {
+                        k: s
+                        for k, s in self.green.items()
+                        if k.rpartition(" ")[0] not in self.useless
+                    }
                     self.times.write_text(json.dumps(good, indent=1))
-        return self.green[check]
+        return self.green[key]
 
     def lint(self, mutation: Mutation, name: str) -> str:
         """The first complaint of Verilator of the mutation as it would be written."""
@@ -330,14 +251,6 @@ def engine_folder(check: str) -> Path:
     return Path("build", configure.load("tiny", LOCK_STEP[check][0].split()).folder)
 
 
-def draw(design: Design, count: int, seed: int, unit: str) -> dict[int, Mutation]:
-    """The mutations that are tried, by number."""
-    numbers = [n for n, m in design.numbered.items() if unit in ("", m.module)]
-    if not numbers:
-        raise ScoreError(f"{unit}: no module of rtl/ti.f that has a mutation")
-    return {n: design.numbered[n] for n in mutations.sample(numbers, count, seed)}
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, required=True, help="mutations to draw")
@@ -353,7 +266,9 @@ def main() -> int:
             raise ScoreError("--count and --jobs must be 1 or more")
         mutants.GENERATED.mkdir(parents=True, exist_ok=True)
         design = Design(mutants.GENERATED)
-        sample = draw(design, arguments.count, arguments.seed, arguments.unit)
+        sample = design.draw(arguments.count, arguments.seed, arguments.unit)
+        if not sample:
+            raise ScoreError(f"{arguments.unit}: no module of rtl/ti.f that has a mutation")
         words = [f"seed-{arguments.seed}", str(arguments.count), arguments.unit]
         folder = mutants.GENERATED / "-".join(word for word in words if word)
         folder.mkdir(exist_ok=True)

@@ -6,7 +6,7 @@ import os
 import subprocess
 
 import configure
-import mutation_score
+import mutation_design
 import mutation_switch
 import mutation_table
 import mutations
@@ -326,10 +326,10 @@ def test_an_error_is_blamed_on_the_smallest_mutation_around_it(tmp_path):
 
 def test_a_module_is_tried_with_its_tests_or_those_nearest_above():
     children = {"ti_top": {"ti_x"}, "ti_x": {"ti_y"}, "ti_fifo": {"ti_y"}, "ti_y": {"ti_arbiter"}}
-    assert mutation_score.nearest_tests("ti_arbiter", children) == ["test_ti_arbiter"]
-    assert mutation_score.nearest_tests("ti_x", children) == ["test_ti_top"]
-    assert mutation_score.nearest_tests("ti_y", children) == ["test_ti_fifo"]
-    assert mutation_score.nearest_tests("ti_z", children) == []
+    assert mutation_design.nearest_tests("ti_arbiter", children) == ["test_ti_arbiter"]
+    assert mutation_design.nearest_tests("ti_x", children) == ["test_ti_top"]
+    assert mutation_design.nearest_tests("ti_y", children) == ["test_ti_fifo"]
+    assert mutation_design.nearest_tests("ti_z", children) == []
 
 
 def test_what_nobody_could_see_does_not_count():
