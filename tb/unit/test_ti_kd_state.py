@@ -10,11 +10,16 @@ from cocotb.triggers import ReadOnly, RisingEdge
 from models.numbers import numbers
 
 STEPS_MAX = (1 << 16) - 1
+TRAIL_BITS = 71  # ti_kd_pkg::trail_t
+TOP, THICK = ("top_node", "top_tmax"), ("trail", "dropped_from", "top_tmin", "oldest_tmin")
 
 
 @dataclass
 class Slot:
-    """What must be remembered of a ray; the stack has no end, `level` of its entries count."""
+    """What must be remembered of a ray; the stack has no end, `level` of its entries count.
+
+    Of a thick ray also its trail, the t of what was dropped, and a tmin of each entry.
+    """
 
     tmin: int
     tmax: int
@@ -23,14 +28,18 @@ class Slot:
     steps: int = 0
     level: int = 0
     dropped: int = 0
-    stack: list = field(default_factory=list)  # (node, tmax)
+    stack: list = field(default_factory=list)  # (node, tmax, tmin)
+    trail: int = 0
+    dropped_from: int = field(default_factory=lambda: numbers().inf)
 
-    def outputs(self):
-        """By port; the top means nothing while the stack is empty."""
+    def outputs(self, depth):
+        """By port; the top means nothing while the stack is empty, the oldest until it is full."""
         names = ("index", "tmin", "tmax", "ray_tmax", "steps", "level", "dropped")
-        top = self.stack[-1] if self.level else (None, None)
+        node, tmax, tmin = self.stack[-1] if self.level else (None, None, None)
+        oldest = self.stack[-depth][2] if self.level == depth > 0 else None
+        thick = (self.trail, self.dropped_from, tmin, oldest)
         return {k: getattr(self, k) for k in names} | dict(
-            zip(("top_node", "top_tmax"), top, strict=True)
+            zip((*TOP, *THICK), (node, tmax, *thick), strict=True)
         )
 
 
@@ -44,7 +53,7 @@ class State:
 
     def __init__(self, dut, rng, busy, p_push, p_new=0.05):
         self._dut, self._rng, self._busy, self._p_push, self._p_new = dut, rng, busy, p_push, p_new
-        self._restart = int(dut.Restart.value)
+        self._restart, self._thick = int(dut.Restart.value), int(dut.Padded.value)
         self._depth, self._lead = int(dut.StackDepth.value), int(dut.Lead.value)
         self._end = self._lead + int(dut.Lag.value)
         self._slots = {}
@@ -59,7 +68,7 @@ class State:
             stepped = self._step()
             self._pipe = [stepped, *self._pipe[:-1]]
             late, shown = self._pipe[self._lead - 1], self._pipe[self._lead]
-            was = self._slots[shown].outputs() if shown is not None else None
+            was = self._slots[shown].outputs(self._depth) if shown is not None else None
             ends = self._pipe[self._end]
             self._dut.end_valid_i.value = int(ends is not None)
             if ends is not None:
@@ -117,8 +126,9 @@ class State:
         push = rng.random() < self._p_push and room
         pop = not push and ray.level > 0 and rng.random() < 0.8
         far, tmin, tmax = rng.getrandbits(29), rng.getrandbits(n.width), rng.getrandbits(n.width)
+        far_tmin = rng.getrandbits(n.width)
         if push:
-            ray.stack.append((far, ray.tmax))
+            ray.stack.append((far, ray.tmax, far_tmin))
             self.full += ray.level == self._depth
             ray.level = min(ray.level + 1, self._depth)
         elif pop:
@@ -130,15 +140,21 @@ class State:
         self.deepest = max(self.deepest, ray.level)
         ray.tmin, ray.tmax, ray.steps = tmin, tmax, rng.randint(0, STEPS_MAX)
         ray.dropped = rng.getrandbits(1) & self._restart
-        for name in ("tmin", "tmax", "steps", "level", "dropped"):
+        ray.trail, ray.dropped_from = rng.getrandbits(TRAIL_BITS), rng.getrandbits(n.width)
+        for name in ("tmin", "tmax", "steps", "level", "dropped", "trail", "dropped_from"):
             getattr(dut, f"{name}_i").value = getattr(ray, name)
         dut.push_i.value, dut.pop_i.value, dut.far_i.value = int(push), int(pop), far
+        dut.far_tmin_i.value = far_tmin
         if rng.random() < self._p_new:
             del self._slots[slot]
 
     def _check(self, slot, was):
         got = {name: int(getattr(self._dut, f"{name}_o").value) for name in was}
         want = {k: got[k] if v is None else v for k, v in was.items()}
+        if not self._thick:
+            want |= dict.fromkeys(THICK, 0)
+        elif not self._restart:
+            want["oldest_tmin"] = 0  # nothing is dropped
         assert got == want, f"slot {slot}: want {want}, got {got}"
         self.checked += 1
 
@@ -204,8 +220,14 @@ async def forgets_what_is_inside_on_reset(dut):
         {"NumSlots": 16, "StackDepth": 4, "Lead": 7},
         {"NumSlots": 8, "StackDepth": 3, "Lead": 7, "Lag": 1},
         {"NumSlots": 8, "StackDepth": 3, "Restart": 0, "Lead": 3, "Lag": 1},
+        {"NumSlots": 8, "StackDepth": 3, "Lead": 7, "Padded": 1},
+        {"NumSlots": 8, "StackDepth": 3, "Restart": 0, "Lead": 3, "Lag": 1, "Padded": 1},
+        {"NumSlots": 4, "StackDepth": 0, "Lead": 5, "Padded": 1},
     ],
-    ids=["1-full", "3-full", "4-full", "0", "1", "3", "4", "3-later", "3-full-later"],
+    ids=[
+        *("1-full", "3-full", "4-full", "0", "1", "3", "4", "3-later", "3-full-later"),
+        *("3-thick", "3-full-thick", "0-thick"),
+    ],
 )
 def test_ti_kd_state(params):
     config = f"tiny trv_slots={params['NumSlots']}"
