@@ -202,6 +202,7 @@ class Copy:
             "TI_RUN": f"{name and '-'}{name}",
         }
         self.process: subprocess.Popen | None = None
+        self.failed = ""  # the test that was red last, as FILE::TEST
 
     def run(self, *command, timeout: float = TIMEOUT_S) -> tuple[int | None, str]:
         """Status and output of a command; None when it did not end in time."""
@@ -235,6 +236,8 @@ class Copy:
         file, colons, test = name.partition("::")
         file = f"tb/unit/{file}.py{colons}{test}"
         status, output = self.run(sys.executable, "-m", "pytest", "-x", file, timeout=timeout)
+        red = re.search(r"^FAILED tb/unit/(\w+)\.py(::.+?)(?: - |$)", output, re.MULTILINE)
+        self.failed = "".join(red.groups()) if red else ""
         if status == 0:
             return ""
         if status is None:

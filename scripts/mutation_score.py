@@ -158,25 +158,39 @@ class Score:
         if says := self.lint(mutation, name):
             return "lint", says
         here = self.copy(name, number)
-        left_out = ""
+        useless: set[str] = set()
         for check, stage in self.design.checks(mutation):
             # Most are found by the first shape, so that the others are built only for the rest.
             for part in [*self.first_of(check, name), check]:
-                seconds = self.without(part, name)
-                if self.stopped:
-                    raise ScoreError("stopped")
-                if part in self.useless:
-                    left_out = f"{part} left out"
-                    continue
                 try:
-                    says = self.check(here, part, max(LEAST_S, PATIENCE * seconds))
+                    says = self.red(here, part, name, useless)
                 except UselessError as error:
                     if stage != "lock-step":
                         raise ScoreError(f"mutation {number}: {error}; see {here.log}") from None
                     says = f"{part} ({error})"
                 if says:
                     return stage, says
-        return "", left_out
+        return "", f"{', '.join(sorted(useless))} left out" if useless else ""
+
+    def red(self, here: Copy, check: str, name: str, useless: set[str]) -> str:
+        """What is red in a check with a mutation, and not without it, as it is in the `useless`."""
+        suspect = check
+        if self.firsts.get(check):  # shapes of a file up to the first that is red, which is judged
+            says = here.unit_test(check, mutants.TIMEOUT_S)
+            suspect = here.failed or check
+            if says:
+                self.without(suspect, name)
+        else:
+            seconds = self.without(check, name)
+            says = ""
+            if check not in self.useless:
+                says = self.check(here, check, max(LEAST_S, PATIENCE * seconds))
+        if self.stopped:
+            raise ScoreError("stopped")
+        if suspect in self.useless:
+            useless.add(suspect)
+            return ""
+        return says
 
     def first_of(self, check: str, name: str) -> list[str]:
         """The first test of a file that has several, where a check is one."""
@@ -201,7 +215,7 @@ class Score:
         return here.unit_test(check, timeout)
 
     def without(self, check: str, name: str) -> float:
-        """Seconds of a check without a mutation, or somewhat more; what it needs is built first."""
+        """Seconds of a check without a mutation; what it needs is built first."""
         with self.lock:
             mine = self.locks.setdefault(check.partition("::")[0], threading.Lock())
         key = f"{check} {self.tests.digest([check])}"
@@ -211,8 +225,7 @@ class Score:
                 begin = time.monotonic()
                 try:
                     says = here.check(check)
-                    # Of the other shapes the time with their builds will do.
-                    if not says and not self.firsts.get(check):
+                    if not says:
                         begin = time.monotonic()
                         says = self.check(here, check, mutants.TIMEOUT_S)
                 except UselessError as error:
