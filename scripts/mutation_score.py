@@ -178,19 +178,25 @@ class Score:
         if self.firsts.get(check):  # shapes of a file up to the first that is red, which is judged
             says = here.unit_test(check, mutants.TIMEOUT_S)
             suspect = here.failed or check
-            if says:
+            if says and suspect != check:
                 self.without(suspect, name)
+            elif says:  # did not end, but with what was built meanwhile
+                says = self.in_time(here, check, name)
         else:
-            seconds = self.without(check, name)
-            says = ""
-            if check not in self.useless:
-                says = self.check(here, check, max(LEAST_S, PATIENCE * seconds))
+            says = self.in_time(here, check, name)
         if self.stopped:
             raise ScoreError("stopped")
         if suspect in self.useless:
             useless.add(suspect)
             return ""
         return says
+
+    def in_time(self, here: Copy, check: str, name: str) -> str:
+        """What is red in a check, which may take some times as long as without a mutation."""
+        seconds = self.without(check, name)
+        if check in self.useless:
+            return ""
+        return self.check(here, check, max(LEAST_S, PATIENCE * seconds))
 
     def first_of(self, check: str, name: str) -> list[str]:
         """The first test of a file that has several, where a check is one."""
