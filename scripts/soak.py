@@ -120,7 +120,7 @@ def play(round_: Round, out: Path) -> dict:
         rays = report["rays"] if report else 0
         line["runs"].append([run.scene, run.rays, *run.options])
         line["rays"] += rays
-        line["cycles"] += report["machine"]["cycles"] if report else 0
+        line["cycles"] += report["cycles"] if report else 0
         if wrong:
             case = out / "failures" / f"{round_.number}-{number}"
             line["failures"].append(f"run {number}: {wrong}; {case}")
