@@ -26,30 +26,13 @@ module ti_cdc_fifo_formal #(
   localparam int unsigned CountWidth = $clog2(Room + 1);
   localparam int unsigned Latency = SyncStages + 2;
 
-  // Beats inside, and one of them that is watched: how many leave before it.
-  logic push, pop, pick, watched_q;
-  logic [CountWidth-1:0] inside_q, ahead_q;
-  logic [Width-1:0] data_q;
-  assign push = in_valid_i && in_ready_o;
-  assign pop  = out_valid_o && out_ready_i;
-  always_ff @(posedge clk_i) begin
-    if (!rst_ni) begin
-      inside_q  <= '0;
-      watched_q <= 1'b0;
-    end else begin
-      inside_q <= inside_q + CountWidth'(push) - CountWidth'(pop);
-      if (!watched_q) watched_q <= push && pick;
-      else if (pop && ahead_q == '0) watched_q <= 1'b0;
-    end
-  end
-  always_ff @(posedge clk_i) begin
-    if (!watched_q) begin
-      ahead_q <= inside_q - CountWidth'(pop);
-      data_q  <= in_data_i;
-    end else if (pop) begin
-      ahead_q <= ahead_q - 1'b1;
-    end
-  end
+  typedef logic [Width-1:0] word_t;
+  word_t pushed;
+  logic push, pop;
+  assign push   = in_valid_i && in_ready_o;
+  assign pop    = out_valid_o && out_ready_i;
+  assign pushed = in_data_i;
+  `include "watched.svh"
 
   // Cycles for which beats have been inside and none at the output, and for which there has been no room although an
   // entry behind the output has been free.
@@ -67,14 +50,12 @@ module ti_cdc_fifo_formal #(
   `TI_ASSERT(NeverMoreThanItHolds, 32'(inside_q) <= Room)
   `TI_ASSERT(OutOnlyWhatIsInside, out_valid_o -> inside_q != '0)
   `TI_ASSERT(TakesNoneWhenFull, 32'(inside_q) == Room -> !in_ready_o)
-  `TI_ASSERT(WatchedIsInside, watched_q -> ahead_q < inside_q)
-  `TI_ASSERT(WatchedComesUnchanged,
-             watched_q && ahead_q == '0 && out_valid_o -> out_data_o == data_q)
+  `TI_ASSERT(WatchedComesUnchanged, its_turn && out_valid_o -> out_data_o == word_q)
   `TI_ASSERT_NEXT(OutHeldUntilTaken, out_valid_o && !out_ready_i, out_valid_o && $stable(out_data_o
                                                                                             ))
   `TI_ASSERT(ComesWhenItsTimeIsUp, 32'(hidden_q) == Latency - 1 -> out_valid_o)
   `TI_ASSERT(RoomWhenItsTimeIsUp, 32'(closed_q) == Latency - 1 -> in_ready_o)
-  `TI_COVER(WatchedLeavesAFullOne, watched_q && pop && ahead_q == '0 && 32'(inside_q) == Room)
+  `TI_COVER(WatchedLeavesAFullOne, its_turn && pop && 32'(inside_q) == Room)
   `TI_COVER(WaitsForThePointer, 32'(hidden_q) == Latency - 1)
 endmodule : ti_cdc_fifo_formal
 

@@ -18,48 +18,32 @@ module ti_hit_out_formal (
 );
   `TI_STARTS_IN_RESET
 
-  // Hits inside, and one of them that is watched.
-  logic take, give, pick, watched_q, last_q;
-  logic [1:0] inside_q, ahead_q;
-  ti_pkg::hit_t hit_q;
-  assign take = hit_valid_i && hit_ready_o;
-  assign give = m_axis_tvalid && m_axis_tready;
-  always_ff @(posedge clk_i) begin
-    if (!rst_ni) begin
-      inside_q  <= '0;
-      watched_q <= 1'b0;
-    end else begin
-      inside_q <= inside_q + 2'(take) - 2'(give);
-      if (!watched_q) watched_q <= take && pick;
-      else if (give && ahead_q == '0) watched_q <= 1'b0;
-    end
-  end
-  always_ff @(posedge clk_i) begin
-    if (!watched_q) begin
-      ahead_q <= inside_q - 2'(give);
-      hit_q   <= hit_data_i;
-      last_q  <= last_i;
-    end else if (give) begin
-      ahead_q <= ahead_q - 1'b1;
-    end
-  end
+  localparam int unsigned CountWidth = 2;
+  typedef struct packed {
+    logic         last;
+    ti_pkg::hit_t hit;
+  } word_t;
+  word_t pushed;
+  logic push, pop;
+  assign push   = hit_valid_i && hit_ready_o;
+  assign pop    = m_axis_tvalid && m_axis_tready;
+  assign pushed = '{last: last_i, hit: hit_data_i};
+  `include "watched.svh"
 
-  logic its_turn;
   logic [7:0][31:0] words;
-  assign its_turn = watched_q && ahead_q == '0;
-  assign words    = m_axis_tdata;
+  ti_pkg::hit_t hit;
+  assign words = m_axis_tdata;
+  assign hit   = word_q.hit;
   `TI_ASSERT(TakesWhileThereIsRoom, hit_ready_o == (inside_q != 2'd2))
   `TI_ASSERT(GivesWhileOneIsInside, m_axis_tvalid == (inside_q != '0))
-  `TI_ASSERT(WatchedIsInside, watched_q -> ahead_q < inside_q)
-  `TI_ASSERT(NumberOfTheRay, its_turn -> words[0] == hit_q.ray_id)
-  `TI_ASSERT(Primitive, its_turn -> words[1] == hit_q.prim)
-  `TI_ASSERT(
-      PlaceOfTheHit,
-      its_turn -> words[2] == 32'(hit_q.t) && words[3] == 32'(hit_q.u) && words[4] == 32'(hit_q.v))
-  `TI_ASSERT(HowItEnded, its_turn -> words[5] == 32'(hit_q.status))
-  `TI_ASSERT(Steps, its_turn -> words[6] == 32'(hit_q.steps) && words[7] == '0)
-  `TI_ASSERT(LastOfItsPacket, its_turn -> m_axis_tlast == last_q)
-  `TI_COVER(WatchedLeavesAFullOne, its_turn && give && inside_q == 2'd2 && last_q)
+  `TI_ASSERT(NumberOfTheRay, its_turn -> words[0] == hit.ray_id)
+  `TI_ASSERT(Primitive, its_turn -> words[1] == hit.prim)
+  `TI_ASSERT(PlaceOfTheHit,
+             its_turn -> words[2] == 32'(hit.t) && words[3] == 32'(hit.u) && words[4] == 32'(hit.v))
+  `TI_ASSERT(HowItEnded, its_turn -> words[5] == 32'(hit.status))
+  `TI_ASSERT(Steps, its_turn -> words[6] == 32'(hit.steps) && words[7] == '0)
+  `TI_ASSERT(LastOfItsPacket, its_turn -> m_axis_tlast == word_q.last)
+  `TI_COVER(WatchedLeavesAFullOne, its_turn && pop && inside_q == 2'd2 && word_q.last)
 endmodule : ti_hit_out_formal
 
 bind ti_hit_out ti_hit_out_formal u_formal (.*);

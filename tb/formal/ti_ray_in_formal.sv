@@ -26,10 +26,9 @@ module ti_ray_in_formal (
   localparam int unsigned W = ti_num_pkg::FpWidth;
 
   // The packet: rays since the last TLAST, rays that have no hit yet, and whether its TLAST has come.
-  logic take, give, closed_q;
+  logic take, closed_q;
   logic [31:0] rays_q, open_q;
   assign take = s_axis_tvalid && s_axis_tready;
-  assign give = ray_valid_o && ray_ready_i;
   always_ff @(posedge clk_i) begin
     if (!rst_ni) begin
       rays_q   <= '0;
@@ -54,54 +53,38 @@ module ti_ray_in_formal (
     else if (hit_i && last_o) second_q <= 1'b1;
   end
 
-  // Rays that wait here, and one of them that is watched.
-  logic pick, watched_q;
-  logic [1:0] waiting_q, ahead_q;
-  logic [7:0][31:0] words_q;
-  logic [31:0] its_number_q;
-  always_ff @(posedge clk_i) begin
-    if (!rst_ni) begin
-      waiting_q <= '0;
-      watched_q <= 1'b0;
-    end else begin
-      waiting_q <= waiting_q + 2'(take) - 2'(give);
-      if (!watched_q) watched_q <= take && pick;
-      else if (give && ahead_q == '0) watched_q <= 1'b0;
-    end
-  end
-  always_ff @(posedge clk_i) begin
-    if (!watched_q) begin
-      ahead_q <= waiting_q - 2'(give);
-      words_q <= s_axis_tdata;
-      its_number_q <= rays_q;
-    end else if (give) begin
-      ahead_q <= ahead_q - 1'b1;
-    end
-  end
+  localparam int unsigned CountWidth = 2;
+  typedef struct packed {
+    logic [31:0]      number;
+    logic [7:0][31:0] words;
+  } word_t;
+  word_t pushed;
+  logic push, pop;
+  assign push   = take;
+  assign pop    = ray_valid_o && ray_ready_i;
+  assign pushed = '{number: rays_q, words: s_axis_tdata};
+  `include "watched.svh"
 
-  logic its_turn;
-  assign its_turn = watched_q && ahead_q == '0;
-  `TI_ASSERT(TakesWhileItMay, s_axis_tready == (run_i && !closed_q && waiting_q != 2'd2))
-  `TI_ASSERT(SaysWhatItTakes, take_o == take && empty_o == (waiting_q == '0))
-  `TI_ASSERT(GivesWhileOneIsInside, ray_valid_o == (waiting_q != '0))
-  `TI_ASSERT(WatchedIsInside, watched_q -> ahead_q < waiting_q)
-  `TI_ASSERT(NumberedInItsPacket, its_turn -> ray_data_o.ray_id == its_number_q)
+  `TI_ASSERT(TakesWhileItMay, s_axis_tready == (run_i && !closed_q && inside_q != 2'd2))
+  `TI_ASSERT(SaysWhatItTakes, take_o == take && empty_o == (inside_q == '0))
+  `TI_ASSERT(GivesWhileOneIsInside, ray_valid_o == (inside_q != '0))
+  `TI_ASSERT(NumberedInItsPacket, its_turn -> ray_data_o.ray_id == word_q.number)
   `TI_ASSERT(NoAnyHitRay, ray_valid_o -> !ray_data_o.any_hit)
   for (genvar axis = 0; axis < 3; axis++) begin : gen_axis
-    `TI_ASSERT(OriginFirst, its_turn -> ray_data_o.o[axis] == W'(words_q[axis]))
-    `TI_ASSERT(DirectionBehindTmin, its_turn -> ray_data_o.d[axis] == W'(words_q[4+axis]))
+    `TI_ASSERT(OriginFirst, its_turn -> ray_data_o.o[axis] == W'(word_q.words[axis]))
+    `TI_ASSERT(DirectionBehindTmin, its_turn -> ray_data_o.d[axis] == W'(word_q.words[4+axis]))
   end
-  `TI_ASSERT(TminFourth, its_turn -> ray_data_o.tmin == W'(words_q[3]))
-  `TI_ASSERT(TmaxEighth, its_turn -> ray_data_o.tmax == W'(words_q[7]))
+  `TI_ASSERT(TminFourth, its_turn -> ray_data_o.tmin == W'(word_q.words[3]))
+  `TI_ASSERT(TmaxEighth, its_turn -> ray_data_o.tmax == W'(word_q.words[7]))
   `TI_ASSERT_NEXT(RayHeldUntilTaken, ray_valid_o && !ray_ready_i, ray_valid_o && $stable(ray_data_o
                                                                                             ))
 
   `TI_ASSERT(LastHitOfThePacket, last_o == (closed_q && open_q == 32'd1))
   `TI_ASSERT(ClosedUntilTheLastHit, closed_q -> open_q != '0)
 
-  `TI_COVER(SecondRayOfTheSecondPacket, its_turn && its_number_q == 32'd1 && second_q)
+  `TI_COVER(SecondRayOfTheSecondPacket, its_turn && word_q.number == 32'd1 && second_q)
   `TI_COVER(LastOfSeveral, hit_i && last_o && $past(hit_i && !last_o))
-  `TI_COVER(WaitsWithRoom, s_axis_tvalid && run_i && waiting_q == '0 && closed_q)
+  `TI_COVER(WaitsWithRoom, s_axis_tvalid && run_i && inside_q == '0 && closed_q)
 endmodule : ti_ray_in_formal
 
 bind ti_ray_in ti_ray_in_formal u_formal (.*);
