@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
@@ -78,6 +77,7 @@ int faults(Arguments& arguments) {
   if (arguments.progress)
     settings.progress = [&progress](std::uint64_t images) { progress.update(images, 0); };
   const FaultCampaign campaign = run_faults(whole.image, settings);
+  if (*options.stop) return kInterrupted;
   std::string text =
       fmt::format("{:<14}{:>9}{:>9}{:>9}{:>10}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}{:>8}\n", "fault",
                   "images", "refused", "sound", "rays", "changed", "memory", "watchdog", "silent",

@@ -19,6 +19,8 @@ from models.traced import tracer
 
 PATIENCE = 30_000  # cycles without a hit after which a ray is lost
 
+TRAIL_LEVELS = 64  # of a padded walk
+
 
 class Steps:
     """The nodes that each ray visits, seen where a step is compared; who lived in which slot."""

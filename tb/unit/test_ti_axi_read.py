@@ -5,82 +5,12 @@ from collections import Counter
 
 import cocotb
 import pytest
-from agents.axi_memory import DECERR, EXOKAY, OKAY, SLVERR, AxiMemory
-from agents.bench import cycle, only_if, run, start
-from agents.memory import line_data
-from agents.stream import Sink, Source, stalls
+from agents.axi_memory import DECERR, EXOKAY, OKAY, SLVERR
+from agents.axi_reads import FOR_EVER, ROUND_TRIP, begin
+from agents.bench import cycle, run
+from agents.stream import stalls
 from cocotb.triggers import ClockCycles, ReadOnly, RisingEdge
-from models.payload import configuration, parameter, payloads
-
-ID_WIDTH = 16
-ROUND_TRIP = 3  # cycles from a request to the cycle after its answer, with a memory of latency 1
-FOR_EVER = 1_000_000
-TIMEOUT = parameter("Timeout", 0)
-
-
-class Reads:
-    """A unit after reset, a memory behind it, and the requests that are sent to it."""
-
-    def __init__(self, dut, rng, **memory):
-        self.dut, self.rng = dut, rng
-        self.line_bytes = configuration()["line_bytes"]
-        self.max_reads = int(dut.MaxReads.value)
-        self.lines = (1 << configuration()["addr_bits"]) // self.line_bytes
-        self.memory = AxiMemory(dut, rng, **{"stalls": True, **memory})
-        self.memory.line = lambda address: self.data(address // self.line_bytes)
-        self.source, self.sink = Source(dut, "req"), Sink(dut, "rsp")
-        self.events, self.activities = Counter(), Counter()
-        self._outstanding = 0
-        cocotb.start_soon(self._watch())
-
-    def data(self, line):
-        return line_data(line, self.line_bytes)
-
-    def requests(self, count):
-        """(id, line) of different ids; the lowest and the highest line are among the lines."""
-        lines = [0, self.lines - 1] + [self.rng.randrange(self.lines) for _ in range(count - 2)]
-        return list(zip(self.rng.sample(range(1 << ID_WIDTH), count), lines, strict=True))
-
-    def packed(self, requests):
-        width = (self.lines - 1).bit_length()
-        return [identity << width | line for identity, line in requests]
-
-    def unpacked(self, beat):
-        """(id, error, data), data None of an error."""
-        bits = 8 * self.line_bytes
-        error = beat >> bits & 1
-        return beat >> bits + 1, error, None if error else beat & ((1 << bits) - 1)
-
-    def good(self, requests):
-        return [(identity, 0, self.data(line)) for identity, line in requests]
-
-    async def _watch(self):
-        """Count the events; of the activities there is one a cycle, the right one."""
-        dut = self.dut
-        while True:
-            await ReadOnly()
-            if dut.rst_ni.value == 1:
-                events = payloads().unpack("axi_events_t", int(dut.events_o.value))
-                activity = {k for k, v in events.pop("activity").items() if v}
-                valid, ready = dut.req_valid_i.value == 1, dut.req_ready_o.value == 1
-                self.events.update({k for k, v in events.items() if v})
-                waits = "memory" if self._outstanding else "empty"
-                if not TIMEOUT:  # what is given up is not seen here
-                    assert activity == {("works" if ready else "room") if valid else waits}
-                self.activities.update(activity)
-                assert self._outstanding <= self.max_reads, "more reads in flight than allowed"
-                self._outstanding += valid and ready and not TIMEOUT
-                known = dut.m_axi_rvalid.value == 1 and dut.m_axi_rready.value == 1
-                self._outstanding -= known and not events["strays"]
-            else:
-                self._outstanding = 0
-            await RisingEdge(dut.clk_i)
-
-
-async def begin(dut, **memory):
-    for name in ("arready", "rvalid", "rid", "rdata", "rresp", "rlast"):
-        getattr(dut, f"m_axi_{name}").value = 0
-    return Reads(dut, await start(dut), **memory)
+from models.payload import parameter
 
 
 @cocotb.test()
@@ -308,99 +238,6 @@ async def forgets_everything_on_reset(dut):
     assert sorted(map(reads.unpacked, got)) == sorted(reads.good(requests))
 
 
-@only_if(TIMEOUT)
-async def a_read_without_an_answer_is_an_error_in_time(dut):
-    reads = await begin(dut)
-    reads.memory.latency = lambda: FOR_EVER
-    dut.rsp_ready_i.value = 1
-    for request in reads.requests(reads.max_reads)[1:]:
-        await reads.source.send(reads.packed([request]))
-        since = cycle()
-        (beat,) = await reads.sink.receive(1, patience=3 * TIMEOUT)
-        assert reads.unpacked(beat) == (request[0], 1, None)
-        assert TIMEOUT < cycle() - since <= 2 * TIMEOUT + reads.max_reads + ROUND_TRIP
-    await reads.sink.expect_none(3 * TIMEOUT)
-    assert reads.events == {"lines": reads.max_reads - 1, "errors": reads.max_reads - 1}
-
-
-@only_if(TIMEOUT)
-async def an_answer_that_comes_after_all_is_dropped_and_its_id_used_again(dut):
-    reads = await begin(dut)
-    memory = reads.memory
-    memory.latency = lambda: FOR_EVER
-    lost = reads.requests(reads.max_reads)[: reads.max_reads // 2]
-    cocotb.start_soon(reads.source.send(reads.packed(lost)))
-    got = await reads.sink.receive(len(lost), patience=3 * TIMEOUT)
-    assert sorted(map(reads.unpacked, got)) == sorted((i, 1, None) for i, _ in lost)
-
-    memory.latency = lambda: 5
-    cocotb.start_soon(reads.source.send(reads.packed(requests := reads.requests(100))))
-    got = await reads.sink.receive(100)
-    assert sorted(map(reads.unpacked, got)) == sorted(reads.good(requests))
-
-    memory._waiting = [(0, identity, address) for _, identity, address in memory._waiting]
-    await reads.sink.expect_none(len(lost) + 20)
-    assert reads.events["strays"] == len(lost)
-    memory.latency = lambda: TIMEOUT // 2
-    cocotb.start_soon(reads.source.send(reads.packed(requests := reads.requests(100))))
-    got = await reads.sink.receive(100)
-    assert sorted(map(reads.unpacked, got)) == sorted(reads.good(requests))
-    assert {*range(reads.max_reads)} == memory.identities, "an id was not used again"
-
-
-@only_if(TIMEOUT)
-@cocotb.parametrize(taken=[0, 1])
-async def a_memory_that_answers_nothing_any_more_answers_errors(dut, taken):
-    """Whether it takes addresses or not."""
-    reads = await begin(dut)
-    rng, memory = reads.rng, reads.memory
-    memory.latency, memory.ready = lambda: FOR_EVER, lambda: taken
-    requests = reads.requests(5 * reads.max_reads)
-    cocotb.start_soon(reads.source.send(reads.packed(requests)))
-    got = await reads.sink.receive(len(requests), lambda: rng.random() < 0.5, 9 * TIMEOUT)
-    await reads.sink.expect_none(3 * TIMEOUT)
-    assert sorted(map(reads.unpacked, got)) == sorted((i, 1, None) for i, _ in requests)
-    assert reads.events["errors"] == len(requests)
-    assert reads.events["lines"] == (reads.max_reads if taken else 2)
-
-    dut.rst_ni.value = 0  # and the memory with it
-    memory.forget()
-    await ClockCycles(dut.clk_i, 2)
-    dut.rst_ni.value = 1
-    memory.latency, memory.ready = lambda: 5, lambda: 1
-    requests = reads.requests(50)
-    cocotb.start_soon(reads.source.send(reads.packed(requests)))
-    assert sorted(map(reads.unpacked, await reads.sink.receive(50))) == sorted(reads.good(requests))
-
-
-@only_if(TIMEOUT)
-@cocotb.parametrize(p_lost=[0.0, 0.05])
-async def only_reads_that_are_lost_are_errors(dut, p_lost):
-    """Some answers come too late, one in some as late as may be, or while it is given up."""
-    reads = await begin(dut)
-    rng, memory = reads.rng, reads.memory
-    late = {}
-
-    def latency():
-        if rng.random() >= p_lost:
-            return rng.randint(1, TIMEOUT // 2)
-        late[len(memory.addresses)] = True
-        return rng.randint(2 * TIMEOUT + 2 * reads.max_reads, 3 * TIMEOUT)
-
-    memory.latency = latency
-    requests = reads.requests(600)
-    cocotb.start_soon(reads.source.send(reads.packed(requests)))
-    got = await reads.sink.receive(600)
-    await reads.sink.expect_none(4 * TIMEOUT)
-    want = [
-        (identity, 1, None) if n in late else (identity, 0, reads.data(line))
-        for n, (identity, line) in enumerate(requests)
-    ]
-    assert sorted(map(reads.unpacked, got)) == sorted(want)
-    assert reads.events["errors"] == reads.events["strays"] == len(late)
-    assert (len(late) > 10) == (p_lost > 0)
-
-
 SHAPES = [(64, 16), (32, 2), (128, 64)]  # LineBytes, MaxReads
 
 
@@ -408,8 +245,3 @@ SHAPES = [(64, 16), (32, 2), (128, 64)]  # LineBytes, MaxReads
 def test_ti_axi_read(line_bytes, max_reads):
     config = f"tiny line_bytes={line_bytes} addr_bits={40 if line_bytes == 128 else 32}"
     run("ti_axi_read_top", "test_ti_axi_read", config=config, MaxReads=max_reads)
-
-
-@pytest.mark.parametrize("max_reads", [2, 8])
-def test_ti_read_timeout(max_reads):
-    run("ti_axi_read_top", "test_ti_axi_read", MaxReads=max_reads, Timeout=150)

@@ -137,7 +137,7 @@ module ti_kd_state #(
   state_t late, state_q;
   interval_t interval, interval_q;
   ti_pkg::fp_t end_tmax;
-  logic late_fresh;  // read with the state
+  logic late_fresh_q;  // read with the state
   logic [LevelWidth-1:0] end_level;
   entry_t top;
   pointer_t
@@ -213,13 +213,13 @@ module ti_kd_state #(
 
   always_comb begin
     late = $bits(state_t)'(word);
-    if (late_fresh) begin
+    if (late_fresh_q) begin
       late          = '0;
       late.interval = interval;
     end
   end
   always_ff @(posedge clk_i) begin
-    if (early_valid) late_fresh <= fresh_q[early_slot];
+    if (early_valid) late_fresh_q <= fresh_q[early_slot];
     if (late_valid_o) begin
       state_q    <= late;
       interval_q <= interval;
@@ -251,7 +251,7 @@ module ti_kd_state #(
     always_ff @(posedge clk_i) begin
       if (late_valid_o) begin
         walk_q <= walk;
-        if (late_fresh) walk_q <= '{trail: '0, dropped_from: ti_num_pkg::Inf};
+        if (late_fresh_q) walk_q <= '{trail: '0, dropped_from: ti_num_pkg::Inf};
       end
     end
     assign trail_o        = walk_q.trail;
